@@ -1,1 +1,2 @@
 //! The plugin interface.
+pub mod abi;
