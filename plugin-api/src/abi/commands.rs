@@ -43,7 +43,9 @@ pub struct CommandListRecord {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// The plugin is newer than the host, or wrong.
-    #[error("command {index}: operation {operation} is not known to this host; update the host, or avoid it")]
+    #[error(
+        "command {index}: operation {operation} is not known to this host; update the host, or avoid it"
+    )]
     UnknownOperation { index: usize, operation: u32 },
     /// The payload does not fit the operation.
     #[error("command {index}: the payload of operation {operation} is damaged")]
@@ -185,16 +187,27 @@ impl CommandListRecord {
         let payload = command.encode_payload(core::mem::take(&mut self.payload).into_vec());
         self.payload = payload.into();
         let length = self.payload.len() as u32 - start;
-        self.commands.push(CommandRecord { operation: command.operation(), start, length });
+        self.commands.push(CommandRecord {
+            operation: command.operation(),
+            start,
+            length,
+        });
     }
 
     /// The commands in order, each decoded when it is reached.
     pub fn decode(&self) -> impl Iterator<Item = Result<Command, DecodeError>> + '_ {
         self.commands.iter().enumerate().map(|(index, record)| {
-            let CommandRecord { operation, start, length } = *record;
+            let CommandRecord {
+                operation,
+                start,
+                length,
+            } = *record;
             let damaged = DecodeError::DamagedPayload { index, operation };
             let end = start.checked_add(length).ok_or(damaged.clone())?;
-            let payload = self.payload.get(start as usize..end as usize).ok_or(damaged.clone())?;
+            let payload = self
+                .payload
+                .get(start as usize..end as usize)
+                .ok_or(damaged.clone())?;
             match Command::decode_payload(operation, payload) {
                 Some(command) => command.map_err(|_| damaged),
                 None => Err(DecodeError::UnknownOperation { index, operation }),
@@ -211,12 +224,20 @@ mod tests {
     fn recorded_commands_come_back_in_order() {
         let mut list = CommandListRecord::default();
         let commands: Vec<Command> = vec![
-            BeginComputePass { label: "cull".into() }.into(),
-            SetPipeline { pipeline: Handle(7 << 32 | 1) }.into(),
+            BeginComputePass {
+                label: "cull".into(),
+            }
+            .into(),
+            SetPipeline {
+                pipeline: Handle(7 << 32 | 1),
+            }
+            .into(),
             Dispatch { groups: [1, 2, 3] }.into(),
             EndComputePass {}.into(),
         ];
-        commands.iter().for_each(|command| list.push(command.clone()));
+        commands
+            .iter()
+            .for_each(|command| list.push(command.clone()));
         let decoded: Result<Vec<_>, _> = list.decode().collect();
         assert_eq!(decoded.unwrap(), commands);
     }
@@ -225,16 +246,37 @@ mod tests {
     fn an_unknown_operation_is_named_with_its_index() {
         let mut list = CommandListRecord::default();
         list.push(EndComputePass {});
-        list.commands.push(CommandRecord { operation: 999, start: 0, length: 0 });
+        list.commands.push(CommandRecord {
+            operation: 999,
+            start: 0,
+            length: 0,
+        });
         let error = list.decode().find_map(Result::err);
-        assert_eq!(error, Some(DecodeError::UnknownOperation { index: 1, operation: 999 }));
+        assert_eq!(
+            error,
+            Some(DecodeError::UnknownOperation {
+                index: 1,
+                operation: 999
+            })
+        );
     }
 
     #[test]
     fn a_payload_outside_the_list_is_an_error() {
         let mut list = CommandListRecord::default();
-        list.commands.push(CommandRecord { operation: 17, start: u32::MAX, length: 5 });
-        list.commands.push(CommandRecord { operation: 17, start: 0, length: 5 });
-        assert!(list.decode().all(|command| matches!(command, Err(DecodeError::DamagedPayload { .. }))));
+        list.commands.push(CommandRecord {
+            operation: 17,
+            start: u32::MAX,
+            length: 5,
+        });
+        list.commands.push(CommandRecord {
+            operation: 17,
+            start: 0,
+            length: 5,
+        });
+        assert!(
+            list.decode()
+                .all(|command| matches!(command, Err(DecodeError::DamagedPayload { .. })))
+        );
     }
 }

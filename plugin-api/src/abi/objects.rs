@@ -2,11 +2,13 @@
 
 use super::commands::CommandListRecord;
 use super::descriptors::{
-    BindGroupDescriptor, BindGroupLayoutDescriptor, BufferDescriptor, ComputePipelineDescriptor, DeviceRecord,
-    RenderPipelineDescriptor, SamplerDescriptor, ShaderDescriptor, TextureDescriptor, TextureViewDescriptor,
-    TextureWriteRecord,
+    BindGroupDescriptor, BindGroupLayoutDescriptor, BufferDescriptor, ComputePipelineDescriptor,
+    DeviceRecord, RenderPipelineDescriptor, SamplerDescriptor, ShaderDescriptor, TextureDescriptor,
+    TextureViewDescriptor, TextureWriteRecord,
 };
-use super::frame::{FrameRecord, OutcomeRecord, SelectRecord, SelectionRecord, StructureBlockRecord};
+use super::frame::{
+    FrameRecord, OutcomeRecord, SelectRecord, SelectionRecord, StructureBlockRecord,
+};
 use super::scene::{ChangeRecord, SceneRecord};
 use super::values::{ErrorCode, ErrorRecord, Handle, LogLevel, SettingRecord, VersionRecord};
 use abi_stable::sabi_types::RRef;
@@ -38,16 +40,40 @@ pub trait GpuObject: Send + Sync {
     fn standard_layout(&self, index: u32) -> RResult<Handle, ErrorRecord>;
     fn create_buffer(&self, descriptor: &BufferDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
     fn create_texture(&self, descriptor: &TextureDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
-    fn create_texture_view(&self, descriptor: &TextureViewDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
+    fn create_texture_view(
+        &self,
+        descriptor: &TextureViewDescriptor<'_>,
+    ) -> RResult<Handle, ErrorRecord>;
     fn create_sampler(&self, descriptor: &SamplerDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
     fn create_shader(&self, descriptor: &ShaderDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
-    fn create_bind_group_layout(&self, descriptor: &BindGroupLayoutDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
-    fn create_bind_group(&self, descriptor: &BindGroupDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
-    fn create_render_pipeline(&self, descriptor: &RenderPipelineDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
-    fn create_compute_pipeline(&self, descriptor: &ComputePipelineDescriptor<'_>) -> RResult<Handle, ErrorRecord>;
+    fn create_bind_group_layout(
+        &self,
+        descriptor: &BindGroupLayoutDescriptor<'_>,
+    ) -> RResult<Handle, ErrorRecord>;
+    fn create_bind_group(
+        &self,
+        descriptor: &BindGroupDescriptor<'_>,
+    ) -> RResult<Handle, ErrorRecord>;
+    fn create_render_pipeline(
+        &self,
+        descriptor: &RenderPipelineDescriptor<'_>,
+    ) -> RResult<Handle, ErrorRecord>;
+    fn create_compute_pipeline(
+        &self,
+        descriptor: &ComputePipelineDescriptor<'_>,
+    ) -> RResult<Handle, ErrorRecord>;
     /// Copies `data` before it returns; the write happens before any command submitted or recorded later.
-    fn write_buffer(&self, buffer: Handle, offset: u64, data: RSlice<'_, u8>) -> RResult<(), ErrorRecord>;
-    fn write_texture(&self, target: &TextureWriteRecord, data: RSlice<'_, u8>) -> RResult<(), ErrorRecord>;
+    fn write_buffer(
+        &self,
+        buffer: Handle,
+        offset: u64,
+        data: RSlice<'_, u8>,
+    ) -> RResult<(), ErrorRecord>;
+    fn write_texture(
+        &self,
+        target: &TextureWriteRecord,
+        data: RSlice<'_, u8>,
+    ) -> RResult<(), ErrorRecord>;
     /// Thread: worker. Checks and runs commands now; in `render` they are returned instead.
     fn submit(&self, commands: &CommandListRecord) -> RResult<(), ErrorRecord>;
     /// A ticket for one `ReadBack` command.

@@ -1,0 +1,228 @@
+//! What a frame is asked for, and what it gives: the whole interface between the stage and whoever shows pictures.
+
+use pointstage_plugin_api::abi::{Interaction, Purpose};
+use pointstage_scene::{Camera, Lights, Scene};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Names one of the stage's viewports. Views of renderers are kept per viewport and role.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ViewportId(pub u32);
+
+/// What a renderer's view is for within a viewport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Role {
+    /// The picture that stays.
+    Main,
+    /// Stands in while the camera moves.
+    Preview,
+    /// Off-screen: exports, tools, reference.
+    Auxiliary,
+}
+
+/// What is shown: the composed colours, or one target as it is, with a legend.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub enum Show {
+    /// The colour target over the background.
+    #[default]
+    Colours,
+    /// A target by its key (`normal`, `depth`, `id`, `lod`, `kind`, …).
+    Target(String),
+}
+
+/// What lies behind the objects; sRGB, 0..1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// Nothing: the picture keeps its coverage as alpha.
+    Transparent,
+    /// One colour.
+    Solid([f32; 3]),
+    /// From top to bottom.
+    Gradient([f32; 3], [f32; 3]),
+}
+
+/// A setting's value, as the host keeps it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SettingValue {
+    /// On or off.
+    Bool(bool),
+    /// A whole number.
+    Int(i64),
+    /// A number.
+    Float(f64),
+    /// The id of an option.
+    Choice(String),
+    /// Linear red, green, blue, alpha.
+    Colour([f64; 4]),
+    /// Any text.
+    Text(String),
+}
+
+/// Values by setting id. What is absent takes the schema's default.
+pub type SettingValues = BTreeMap<String, SettingValue>;
+
+/// Whether a frame waits for a renderer that is not prepared yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patience {
+    /// Prepare first, then draw; headless commands.
+    Wait,
+    /// Draw with the last good renderer meanwhile; the window.
+    DrawMeanwhile,
+}
+
+/// One frame, asked for. Plain data: the same request gives the same picture.
+#[derive(Clone, Debug)]
+pub struct FrameRequest {
+    /// The scene; cheap to clone.
+    pub scene: Arc<Scene>,
+    /// The eye.
+    pub camera: Camera,
+    /// The lights.
+    pub lights: Lights,
+    /// Size of the picture, px.
+    pub size_px: [u32; 2],
+    /// The renderer: an id, an alias, `id@version` or `id#hash`.
+    pub renderer: String,
+    /// The level-of-detail structure, if any.
+    pub structure: Option<String>,
+    /// Values of the renderer's settings.
+    pub settings: SettingValues,
+    /// Values of the structure's settings.
+    pub structure_settings: SettingValues,
+    /// Ids of the actions pressed since the last frame.
+    pub actions: Vec<String>,
+    /// Targets to read back, by key, beside the picture.
+    pub read_back: Vec<String>,
+    /// What the picture shows.
+    pub show: Show,
+    /// What lies behind.
+    pub background: Background,
+    /// Factor on linear colours before sRGB; 1 changes nothing.
+    pub exposure: f32,
+    /// Factor on every radius.
+    pub radius_scale: f32,
+    /// What the user is doing.
+    pub interaction: Interaction,
+    /// What the picture is for.
+    pub purpose: Purpose,
+    /// Which of the viewport's views draws.
+    pub role: Role,
+    /// Whether to wait for preparation.
+    pub patience: Patience,
+    /// Seed of random choices.
+    pub seed: u32,
+}
+
+/// An 8-bit picture, rows from the top, 4 bytes a pixel: sRGB, straight alpha.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// px.
+    pub size_px: [u32; 2],
+    /// Red, green, blue, alpha.
+    pub rgba: Arc<[u8]>,
+}
+
+/// A target, read back.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plane {
+    /// `channels` floats a pixel, rows from the top.
+    Float {
+        /// Floats a pixel.
+        channels: u32,
+        /// Row by row.
+        values: Arc<[f32]>,
+    },
+    /// One number a pixel, rows from the top.
+    Uint(Arc<[u32]>),
+}
+
+/// A time of one pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// The pass's label.
+    pub label: String,
+    /// On the device, by timestamps.
+    pub time: Duration,
+}
+
+/// What a frame cost and counted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameStats {
+    /// Surfels in the visible objects of the scene.
+    pub surfels_in_scene: u64,
+    /// Surfels selected for drawing (upper bound where the device counts).
+    pub surfels_selected: u64,
+    /// Wall clock of the whole frame.
+    pub total: Duration,
+    /// Time inside the plugin's `render`.
+    pub plugin_cpu: Duration,
+    /// From submission to completion, by wall clock.
+    pub device_wall: Duration,
+    /// By timestamps, where the device has them.
+    pub passes: Vec<PassTime>,
+    /// Bytes that the renderer holds on the device.
+    pub plugin_bytes: u64,
+    /// Bytes of the scene on the device.
+    pub scene_bytes: u64,
+    /// What the plugin reported, by key.
+    pub reported: BTreeMap<String, f64>,
+}
+
+/// How serious a notice is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Something failed; the session goes on otherwise.
+    Error,
+    /// Done, but not as asked.
+    Warning,
+    /// For the user to know.
+    Info,
+}
+
+/// A message for the user.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// How serious.
+    pub severity: Severity,
+    /// The plugin that it is about, or empty.
+    pub plugin: String,
+    /// One or two sentences.
+    pub text: String,
+    /// The long form, folded away; may be empty.
+    pub detail: String,
+}
+
+/// A preparation under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preparing {
+    /// The renderer's or structure's id.
+    pub id: String,
+    /// 0..1.
+    pub fraction: f32,
+    /// What it does.
+    pub stage: String,
+}
+
+/// One frame, drawn.
+#[derive(Clone, Debug)]
+pub struct FrameResult {
+    /// The composed picture.
+    pub picture: Picture,
+    /// The targets that were asked for and that the renderer gives.
+    pub planes: BTreeMap<String, Plane>,
+    /// Targets that this renderer gives.
+    pub available_targets: Vec<String>,
+    /// The renderer that drew: the one asked for, the last good one, or the fallback.
+    pub drawn_by: String,
+    /// What it cost.
+    pub stats: FrameStats,
+    /// 1: done; less: the picture refines if asked again.
+    pub progress: f32,
+    /// The preparation that this frame did not wait for.
+    pub preparing: Option<Preparing>,
+    /// Messages that came up since the last frame.
+    pub notices: Vec<Notice>,
+    /// What an id in the `id` target means; resolve with [`IdTable::resolve`](super::IdTable).
+    pub ids: Arc<super::IdTable>,
+}
