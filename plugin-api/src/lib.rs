@@ -1,2 +1,3 @@
 //! The plugin interface.
 pub mod abi;
+pub mod columns;

@@ -1,1 +1,32 @@
-//! The scene.
+//! What Pointstage shows: objects made of surfel columns, the camera that looks at them and the lights that light them.
+//!
+//! Data passes through once. [`load()`] reads a file into an [`Object`] whose [`Geometry`] is blocks of columns behind
+//! [`Arc`](std::sync::Arc); [`estimate`] fills in normals and radii where the file had none; a [`Scene`] holds the objects.
+//! A scene is cheap to clone: render threads get a copy that shares every column, and [`Changes`] tells what differs
+//! between two copies. Nothing here knows of a GPU, a window or a plugin.
+//!
+//! Lengths are scene units, angles radians. The world is right-handed with y up; positions of columns are f32 relative to
+//! their object's f64 origin.
+
+mod bounds;
+mod camera;
+mod changes;
+mod geometry;
+mod job;
+mod light;
+mod load;
+mod scene;
+mod warnings;
+
+pub use bounds::Bounds;
+pub use camera::{
+    Camera, Projection, VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource,
+    ViewSourceError, orbit_cameras,
+};
+pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};
+pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType};
+pub use job::{Cancelled, Job};
+pub use light::{Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
+pub use load::{Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Winding, load};
+pub use scene::{Material, Object, ObjectId, Revision, Scene};
+pub use warnings::{Warning, WarningKind, Warnings};

@@ -1,0 +1,250 @@
+//! Objects and the scene that holds them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{DAffine3, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::bounds::Bounds;
+use crate::geometry::Geometry;
+
+/// State of a thing; two states with the same revision are the same. Later states have greater revisions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Revision(u64);
+
+/// Identity of an object, unique in this process; it survives edits and clones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ObjectId(pub u64);
+
+/// What is shown. A clone shares all columns with the original, so a render thread takes one a frame.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    objects: Vec<Object>,
+    revision: Revision,
+}
+
+/// One thing in the scene.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Identity.
+    pub id: ObjectId,
+    /// Name for people; the file's stem at first.
+    pub name: String,
+    /// The file that it came from.
+    pub source: Option<PathBuf>,
+    /// What the columns' positions are relative to, before `world_from_object`; f64, so that map coordinates keep their
+    /// digits.
+    pub origin: DVec3,
+    /// Where it stands: `world = world_from_object · (origin + local)`.
+    pub world_from_object: DAffine3,
+    /// How it takes light.
+    pub material: Material,
+    /// Is it drawn?
+    pub visible: bool,
+    /// Is it marked?
+    pub selected: bool,
+    /// Its surfels.
+    pub geometry: Arc<Geometry>,
+    /// Changes with every change of the above through [`Scene::edit`].
+    pub revision: Revision,
+}
+
+/// Blinn-Phong reflection; ambient and diffuse light take the surfel's colour, the highlight is white.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Material {
+    /// Part of the ambient light reflected.
+    pub ka: f32,
+    /// Part of the light reflected in all directions.
+    pub kd: f32,
+    /// Part of the light reflected as a highlight.
+    pub ks: f32,
+    /// Exponent of the highlight; greater is smaller and sharper.
+    pub shininess: f32,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            ka: 1.0,
+            kd: 0.85,
+            ks: 0.1,
+            shininess: 32.0,
+        }
+    }
+}
+
+impl Revision {
+    /// A revision greater than all before it in this process.
+    pub fn next() -> Self {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        Self(LAST.fetch_add(1, Ordering::Relaxed) + 1)
+    }
+
+    /// The number, for the border and for logs.
+    pub const fn number(self) -> u64 {
+        self.0
+    }
+}
+
+impl ObjectId {
+    /// An identity that no other object of this process has.
+    pub fn next() -> Self {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        Self(LAST.fetch_add(1, Ordering::Relaxed) + 1)
+    }
+}
+
+impl Object {
+    /// A visible object in its file's place.
+    pub fn new(name: impl Into<String>, origin: DVec3, geometry: Geometry) -> Self {
+        Self {
+            id: ObjectId::next(),
+            name: name.into(),
+            source: None,
+            origin,
+            world_from_object: DAffine3::IDENTITY,
+            material: Material::default(),
+            visible: true,
+            selected: false,
+            geometry: Arc::new(geometry),
+            revision: Revision::next(),
+        }
+    }
+
+    /// Map from the columns' positions to the world: `world_from_object` after the shift by `origin`.
+    pub fn world_from_local(&self) -> DAffine3 {
+        self.world_from_object * DAffine3::from_translation(self.origin)
+    }
+
+    /// Box around the object in the world.
+    pub fn bounds_world(&self) -> Bounds {
+        self.geometry.bounds.transformed(&self.world_from_local())
+    }
+}
+
+impl Scene {
+    /// A scene without objects.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// State of the whole: changes when any object does.
+    pub fn revision(&self) -> Revision {
+        self.revision
+    }
+
+    /// The objects, in the order in which they were added.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// The object with this identity.
+    pub fn object(&self, id: ObjectId) -> Option<&Object> {
+        self.objects.iter().find(|object| object.id == id)
+    }
+
+    /// Adds an object; one with the same identity is replaced in place.
+    pub fn add(&mut self, object: Object) -> ObjectId {
+        let id = object.id;
+        match self.objects.iter_mut().find(|old| old.id == id) {
+            Some(old) => *old = object,
+            None => self.objects.push(object),
+        }
+        self.revision = Revision::next();
+        id
+    }
+
+    /// Takes an object out.
+    pub fn remove(&mut self, id: ObjectId) -> Option<Object> {
+        let position = self.objects.iter().position(|object| object.id == id)?;
+        self.revision = Revision::next();
+        Some(self.objects.remove(position))
+    }
+
+    /// Changes an object and notes that it changed; `None` if there is no such object.
+    ///
+    /// To change columns, make the geometry's copy with `Arc::make_mut`, and call [`Geometry::touch`].
+    pub fn edit<T>(&mut self, id: ObjectId, change: impl FnOnce(&mut Object) -> T) -> Option<T> {
+        let object = self.objects.iter_mut().find(|object| object.id == id)?;
+        let answer = change(object);
+        object.id = id;
+        object.revision = Revision::next();
+        self.revision = Revision::next();
+        Some(answer)
+    }
+
+    /// Box around all visible objects, in the world.
+    pub fn bounds_world(&self) -> Bounds {
+        self.objects
+            .iter()
+            .filter(|object| object.visible)
+            .fold(Bounds::EMPTY, |bounds, object| {
+                bounds.union(object.bounds_world())
+            })
+    }
+
+    /// Surfels of all objects.
+    pub fn surfel_count(&self) -> usize {
+        self.objects
+            .iter()
+            .map(|object| object.geometry.surfel_count)
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Block, Origins};
+
+    fn point_at(x: f32) -> Object {
+        let block = Block {
+            position_radius: Arc::from([[x, 0.0, 0.0, 1.0]]),
+            ..Block::default()
+        };
+        Object::new(
+            "point",
+            DVec3::new(500_000.0, 0.0, 0.0),
+            Geometry::new(vec![block], None, Origins::default()),
+        )
+    }
+
+    #[test]
+    fn every_edit_takes_a_greater_revision() {
+        let mut scene = Scene::new();
+        let id = scene.add(point_at(1.0));
+        let before = (scene.revision(), scene.objects()[0].revision);
+        scene.edit(id, |object| object.visible = false);
+        assert!(scene.revision() > before.0 && scene.objects()[0].revision > before.1);
+        assert!(scene.edit(ObjectId(u64::MAX), |_| ()).is_none());
+    }
+
+    #[test]
+    fn world_is_transform_of_origin_plus_local() {
+        let mut object = point_at(0.25);
+        object.world_from_object = DAffine3::from_scale(DVec3::splat(2.0));
+        let bounds = object.bounds_world();
+        assert_eq!((bounds.min.x, bounds.max.x), (1_000_000.5, 1_000_000.5));
+    }
+
+    #[test]
+    fn hidden_objects_do_not_count_in_the_bounds() {
+        let mut scene = Scene::new();
+        let id = scene.add(point_at(1.0));
+        scene.edit(id, |object| object.visible = false);
+        assert!(scene.bounds_world().is_empty());
+    }
+
+    #[test]
+    fn clones_share_columns() {
+        let mut scene = Scene::new();
+        scene.add(point_at(1.0));
+        let copy = scene.clone();
+        assert!(Arc::ptr_eq(
+            &scene.objects()[0].geometry,
+            &copy.objects()[0].geometry
+        ));
+    }
+}
