@@ -1,2 +1,75 @@
-//! Upkeep.
-fn main() {}
+//! The repository's own commands: `cargo xtask run`, `test`, `bless`, `sample`, `bench`.
+//!
+//! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
+//! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate, so that
+//! `cargo xtask run` on a fresh clone speaks after a second and not after the whole dependency tree.
+
+use std::process::ExitCode;
+
+mod bench;
+mod bless;
+mod build;
+mod json;
+mod paths;
+mod process;
+mod run;
+mod sample;
+mod setup;
+mod test;
+mod test_log;
+
+/// What a step returns: nothing, or one message for the person at the terminal.
+type Outcome<T = ()> = Result<T, String>;
+
+const USAGE: &str = "\
+Usage: cargo xtask COMMAND
+
+  run [FILE...] [-- ARGUMENTS]   set the machine up, build everything in release, and open the sample (or FILE) in the
+                                 window; without a display, draw it with every renderer into target/pictures/.
+                                 ARGUMENTS go to the program as they are.
+  test [--long]                  the same set-up, then every check; --long adds the slow sweeps
+  bless                          draw the golden images anew; look at the difference before you commit it
+  sample [--surfels N] [--out FILE]
+                                 make the procedural sample anew
+  bench [NAME...]                run the benchmarks (all, or those whose name contains NAME)
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let Some((command, rest)) = arguments.split_first() else {
+        eprint!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    let outcome = match command.as_str() {
+        "run" => run::run(rest),
+        "test" => test::test(rest),
+        "bless" => bless::bless(rest),
+        "sample" => sample::sample(rest),
+        "bench" => bench::bench(rest),
+        "help" | "--help" | "-h" => {
+            print!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        other => {
+            eprint!("xtask: there is no command '{other}'\n\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask {command}: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Refuses arguments to a command that has none.
+fn no_arguments(arguments: &[String]) -> Outcome {
+    match arguments.first() {
+        None => Ok(()),
+        Some(first) => Err(format!(
+            "'{first}' was not expected here; see `cargo xtask help`"
+        )),
+    }
+}

@@ -1,0 +1,37 @@
+//! Where things are in the repository.
+
+use std::path::PathBuf;
+
+/// The repository's root folder.
+pub(crate) fn root() -> PathBuf {
+    // Cargo gives the package's folder to what it runs; the one of build time serves a binary started by hand.
+    let package = std::env::var_os("CARGO_MANIFEST_DIR")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
+    package
+        .parent()
+        .map_or_else(|| PathBuf::from("."), PathBuf::from)
+}
+
+/// Cargo's output folder.
+pub(crate) fn target() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => root().join(folder),
+        None => root().join("target"),
+    }
+}
+
+/// The model that `cargo xtask run` shows.
+pub(crate) fn sample() -> PathBuf {
+    root().join("sample-data").join("bust_200k.ply")
+}
+
+/// `path` as a person would type it: relative to the current folder where it lies below it.
+pub(crate) fn shown(path: &std::path::Path) -> String {
+    let relative = std::env::current_dir()
+        .ok()
+        .and_then(|here| path.strip_prefix(here).ok().map(PathBuf::from));
+    relative
+        .unwrap_or_else(|| path.to_path_buf())
+        .display()
+        .to_string()
+}
