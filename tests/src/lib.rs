@@ -1,1 +1,16 @@
-//! The test harness.
+//! The test harness of Pointstage: what the tests under `tests/tests/` share.
+//!
+//! * [`program`] finds the built program and its plugins and runs the command line with a time limit.
+//! * [`scenes`] makes small scenes as PLY files; [`data`] finds the shared test data folder, or says that it skips.
+//! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
+//! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
+//!
+//! A test that cannot run on this machine prints one line that begins with `skipped: ` and returns; `cargo xtask test`
+//! counts those lines.
+
+pub mod compare;
+pub mod data;
+pub mod golden;
+pub mod program;
+pub mod scenes;
+pub mod window;

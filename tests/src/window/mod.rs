@@ -1,0 +1,38 @@
+//! The program's window on a virtual display, used as a person would use it.
+//!
+//! [`Display`] is an X server without a screen (Xvfb). [`Window`] starts the program on it, waits for what its log
+//! says, and moves the pointer, presses keys, drops files and takes pictures through the X protocol, so that nothing
+//! besides Xvfb has to be installed. Pixels are of the display, from its upper left corner.
+
+use std::time::{Duration, Instant};
+
+mod capture;
+mod display;
+mod drop;
+mod input;
+mod log;
+mod session;
+
+pub use display::Display;
+pub use session::Window;
+
+/// How long a window may take for what it is asked. Far above what it needs alone: it draws in software here, and
+/// other tests run beside it.
+pub const TIME_LIMIT: Duration = Duration::from_secs(90);
+
+/// How often something outside this process is looked at again.
+const LOOK_AGAIN: Duration = Duration::from_millis(25);
+
+/// Looks with `look` until it finds something, at most [`TIME_LIMIT`]; `None` when it never did.
+fn wait_for<T>(mut look: impl FnMut() -> anyhow::Result<Option<T>>) -> anyhow::Result<Option<T>> {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look()? {
+            return Ok(Some(found));
+        }
+        if start.elapsed() > TIME_LIMIT {
+            return Ok(None);
+        }
+        std::thread::sleep(LOOK_AGAIN);
+    }
+}
