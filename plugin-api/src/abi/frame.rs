@@ -135,7 +135,7 @@ pub struct DrawRecord<'a> {
     /// Number of the object in the scene.
     pub object: u32,
     /// The columns on the CPU: a block of the scene or of the structure.
-    pub block: BlockRecordRef<'a>,
+    pub block: super::scene::BlockRecord<'a>,
     pub uniform: DrawUniform,
     /// Dynamic offset of `uniform` in group 0; bytes.
     pub uniform_offset: u32,
@@ -146,9 +146,6 @@ pub struct DrawRecord<'a> {
     /// The buffer of the count, if indirect.
     pub indirect_buffer: Handle,
 }
-
-/// A block, by value: its columns are slices anyway.
-pub type BlockRecordRef<'a> = super::scene::BlockRecord<'a>;
 
 open_number! {
     /// What the user is doing.
@@ -277,11 +274,12 @@ pub struct SelectionRecord {
     pub progress: f32,
 }
 
-/// A block that a structure brings: inner nodes are surfels too.
+/// A block that a structure brings: inner nodes are surfels too. Only the standard columns.
 #[repr(C)]
-#[derive(StableAbi, Clone, Copy, Debug)]
+#[derive(StableAbi, Clone, Debug)]
 pub struct StructureBlockRecord<'a> {
     /// Number of the object whose coordinates the block uses.
     pub object: u32,
-    pub block: super::scene::BlockRecord<'a>,
+    pub surfel_count: u32,
+    pub columns: RVec<super::scene::ColumnRecord<'a>>,
 }

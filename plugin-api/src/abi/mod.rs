@@ -36,6 +36,8 @@
 
 pub mod commands;
 mod descriptors;
+#[doc(hidden)]
+pub mod export_parts;
 mod frame;
 mod objects;
 mod root;

@@ -1,0 +1,20 @@
+//! The GPU service: typed resources that free themselves, and recorded commands.
+//!
+//! Everything is made through [`Gpu`], which mirrors WebGPU: buffers, textures, shaders in plain WGSL, explicit bind
+//! group layouts, pipelines. Work is recorded with a [`Recorder`] and handed to the frame (or, in `prepare`, to
+//! [`Gpu::submit`]); the host checks and replays it.
+
+mod recorder;
+mod resources;
+mod service;
+
+pub use recorder::{ColourAttachment, ComputePass, DepthAttachment, Recorder, RenderPass};
+pub use resources::{
+    AsHandle,
+    BindGroup, BindGroupLayout, Buffer, BufferRef, ComputePipeline, GroupRef, RenderPipeline, Sampler, Shader, Texture,
+    TextureRef, TextureView, Ticket,
+};
+pub use service::{
+    Binding, Blend, ColourTarget, ComputePipelineOptions, DepthTest, Gpu, Layout, RenderPipelineOptions, TextureOptions,
+    VertexBuffer,
+};
