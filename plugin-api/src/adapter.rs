@@ -1,10 +1,10 @@
 //! From the author's traits to the border's objects. Every entry point, `Drop` included, runs under the guard.
 
 use crate::abi::{
-    self, FactoryBox, FactoryObject, FactoryObject_TO, FrameRecord, HostRef, LogLevel, OutcomeRecord, PrepareRecord,
-    RendererBox, RendererObject, RendererObject_TO, SelectRecord, SelectionRecord, SelectorBox, SelectorObject,
-    SelectorObject_TO, StructureBlockRecord, StructureBox, StructureObject, StructureObject_TO, ViewBox, ViewObject,
-    ViewObject_TO,
+    self, FactoryBox, FactoryObject, FactoryObject_TO, FrameRecord, HostRef, LogLevel,
+    OutcomeRecord, PrepareRecord, RendererBox, RendererObject, RendererObject_TO, SelectRecord,
+    SelectionRecord, SelectorBox, SelectorObject, SelectorObject_TO, StructureBlockRecord,
+    StructureBox, StructureObject, StructureObject_TO, ViewBox, ViewObject, ViewObject_TO,
 };
 use crate::error::Result;
 use crate::frame::Frame;
@@ -28,7 +28,11 @@ struct Guarded<T> {
 
 impl<T> Guarded<T> {
     fn new(value: T, host: Host, what: &'static str) -> Self {
-        Self { value: Some(value), host, what }
+        Self {
+            value: Some(value),
+            host,
+            what,
+        }
     }
 
     fn get(&self) -> &T {
@@ -43,7 +47,9 @@ impl<T> Guarded<T> {
 impl<T> Drop for Guarded<T> {
     fn drop(&mut self) {
         let value = self.value.take();
-        drop_guarded(self.what, value, |text| self.host.log(LogLevel::ERROR, text));
+        drop_guarded(self.what, value, |text| {
+            self.host.log(LogLevel::ERROR, text)
+        });
     }
 }
 
@@ -61,13 +67,21 @@ struct Structures;
 
 /// A factory of renderers of type `R`, for the manifest's entry `id`.
 pub fn renderer_factory<R: Renderer>(id: &str) -> FactoryBox {
-    let factory = Factory::<R, Renders> { id: id.into(), kind: "renderer", types: PhantomData };
+    let factory = Factory::<R, Renders> {
+        id: id.into(),
+        kind: "renderer",
+        types: PhantomData,
+    };
     FactoryObject_TO::from_value(factory, TD_Opaque)
 }
 
 /// A factory of structures of type `S`, for the manifest's entry `id`.
 pub fn structure_factory<S: Structure>(id: &str) -> FactoryBox {
-    let factory = Factory::<S, Structures> { id: id.into(), kind: "structure", types: PhantomData };
+    let factory = Factory::<S, Structures> {
+        id: id.into(),
+        kind: "structure",
+        types: PhantomData,
+    };
     FactoryObject_TO::from_value(factory, TD_Opaque)
 }
 
@@ -98,7 +112,10 @@ impl<S: Structure> FactoryObject for Factory<S, Structures> {
         self.id.as_str().into()
     }
 
-    fn prepare_structure(&self, call: &PrepareRecord<'_>) -> RResult<StructureBox, abi::ErrorRecord> {
+    fn prepare_structure(
+        &self,
+        call: &PrepareRecord<'_>,
+    ) -> RResult<StructureBox, abi::ErrorRecord> {
         prepare_structure::<S>(call, None)
     }
 
@@ -112,11 +129,21 @@ fn prepare_renderer<R: Renderer>(
     previous: Option<&R>,
 ) -> RResult<RendererBox, abi::ErrorRecord> {
     border("prepare", || {
-        let host = Host::new(call.host.shallow_clone());
+        let host = Host::new(abi::share_host(&call.host));
         let previous = previous.map(|previous| (previous, Changes::new(call.changes.as_slice())));
         let settings = Settings::new(call.settings.as_slice());
-        let prepared = R::prepare(&host, Scene::new(call.scene), previous, settings, &Progress::new(&call.call))?;
-        let prepared = Prepared(Guarded::new(Arc::new(prepared), host, "the renderer's Drop"));
+        let prepared = R::prepare(
+            &host,
+            Scene::new(call.scene),
+            previous,
+            settings,
+            &Progress::new(&call.call),
+        )?;
+        let prepared = Prepared(Guarded::new(
+            Arc::new(prepared),
+            host,
+            "the renderer's Drop",
+        ));
         Ok(RendererObject_TO::from_value(prepared, TD_Opaque))
     })
 }
@@ -126,10 +153,16 @@ fn prepare_structure<S: Structure>(
     previous: Option<&S>,
 ) -> RResult<StructureBox, abi::ErrorRecord> {
     border("prepare", || {
-        let host = Host::new(call.host.shallow_clone());
+        let host = Host::new(abi::share_host(&call.host));
         let previous = previous.map(|previous| (previous, Changes::new(call.changes.as_slice())));
         let settings = Settings::new(call.settings.as_slice());
-        let built = S::prepare(&host, Scene::new(call.scene), previous, settings, &Progress::new(&call.call))?;
+        let built = S::prepare(
+            &host,
+            Scene::new(call.scene),
+            previous,
+            settings,
+            &Progress::new(&call.call),
+        )?;
         let built = Built(Guarded::new(Arc::new(built), host, "the structure's Drop"));
         Ok(StructureObject_TO::from_value(built, TD_Opaque))
     })
@@ -148,7 +181,10 @@ impl<R: Renderer> RendererObject for Prepared<R> {
             let prepared = Arc::clone(self.0.get());
             let view = prepared.view(&host)?;
             let parts = Guarded::new((view, prepared), host, "the view's Drop");
-            Ok(ViewObject_TO::from_value(ViewAdapter::<R>(parts), TD_Opaque))
+            Ok(ViewObject_TO::from_value(
+                ViewAdapter::<R>(parts),
+                TD_Opaque,
+            ))
         })
     }
 }
@@ -191,7 +227,10 @@ impl<S: Structure> StructureObject for Built<S> {
             let structure = Arc::clone(self.0.get());
             let selector = structure.selector(&host)?;
             let parts = Guarded::new((selector, structure), host, "the selector's Drop");
-            Ok(SelectorObject_TO::from_value(SelectorAdapter::<S>(parts), TD_Opaque))
+            Ok(SelectorObject_TO::from_value(
+                SelectorAdapter::<S>(parts),
+                TD_Opaque,
+            ))
         })
     }
 }
@@ -201,7 +240,9 @@ struct SelectorAdapter<S: Structure>(Guarded<(S::Selector, Arc<S>)>);
 impl<S: Structure> SelectorObject for SelectorAdapter<S> {
     fn select(&mut self, view: &SelectRecord<'_>) -> RResult<SelectionRecord, abi::ErrorRecord> {
         let (selector, structure) = self.0.get_mut();
-        border("select", || Ok(selector.select(structure, &Query::new(view))?.into_record()))
+        border("select", || {
+            Ok(selector.select(structure, &Query::new(view))?.into_record())
+        })
     }
 }
 
@@ -244,7 +285,11 @@ fn entry_ids(manifest: &[u8], kind: &str) -> Result<Vec<String>> {
         kind: String,
         id: String,
     }
-    let Entries { plugins } =
-        serde_json::from_slice(manifest).map_err(|error| format!("the embedded manifest is damaged: {error}"))?;
-    Ok(plugins.into_iter().filter(|entry| entry.kind == kind).map(|entry| entry.id).collect())
+    let Entries { plugins } = serde_json::from_slice(manifest)
+        .map_err(|error| format!("the embedded manifest is damaged: {error}"))?;
+    Ok(plugins
+        .into_iter()
+        .filter(|entry| entry.kind == kind)
+        .map(|entry| entry.id)
+        .collect())
 }

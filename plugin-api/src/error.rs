@@ -24,7 +24,11 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 impl Error {
     /// An error with a code.
     pub fn new(code: ErrorCode, message: impl Into<String>) -> Self {
-        Self { code, message: message.into(), detail: String::new() }
+        Self {
+            code,
+            message: message.into(),
+            detail: String::new(),
+        }
     }
 
     /// The plugin's own failure, [`ErrorCode::FAILED`].
@@ -67,13 +71,21 @@ impl From<String> for Error {
 
 impl From<ErrorRecord> for Error {
     fn from(record: ErrorRecord) -> Self {
-        Self { code: record.code, message: record.message.into(), detail: record.detail.into() }
+        Self {
+            code: record.code,
+            message: record.message.into(),
+            detail: record.detail.into(),
+        }
     }
 }
 
 impl From<Error> for ErrorRecord {
     fn from(error: Error) -> Self {
-        Self { code: error.code, message: error.message.into(), detail: error.detail.into() }
+        Self {
+            code: error.code,
+            message: error.message.into(),
+            detail: error.detail.into(),
+        }
     }
 }
 

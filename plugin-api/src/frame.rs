@@ -1,8 +1,8 @@
 //! One frame: camera, selection, settings, targets; and what the renderer gives back.
 
 use crate::abi::{
-    self, DrawFlags, DrawUniform, Format, FrameChanges, FrameUniform, Interaction, PlaneRecord, Purpose,
-    StatisticRecord,
+    self, DrawFlags, DrawUniform, Format, FrameChanges, FrameUniform, Interaction, PlaneRecord,
+    Purpose, StatisticRecord,
 };
 use crate::gpu::{GroupRef, Recorder, TextureRef};
 use crate::host::{Call, Progress};
@@ -57,7 +57,10 @@ impl<'a> Frame<'a> {
             settings: Settings::new(record.settings.as_slice()),
             actions: record.actions.as_slice(),
             targets: record.targets.as_slice(),
-            planes: planes.iter_mut().map(|plane| Some(Plane::new(plane))).collect(),
+            planes: planes
+                .iter_mut()
+                .map(|plane| Some(Plane::new(plane)))
+                .collect(),
             interaction: record.interaction,
             purpose: record.purpose,
             changes: record.changes,
@@ -112,8 +115,14 @@ impl<'a> Frame<'a> {
 
     /// The target of this key, if it was asked for. The host has cleared it.
     pub fn target(&self, key: &str) -> Option<Target> {
-        let record = self.targets.iter().find(|record| record.key.as_str() == key)?;
-        record.texture.is_some().then(|| Target { texture: TextureRef(record.texture), format: record.format })
+        let record = self
+            .targets
+            .iter()
+            .find(|record| record.key.as_str() == key)?;
+        record.texture.is_some().then(|| Target {
+            texture: TextureRef(record.texture),
+            format: record.format,
+        })
     }
 
     /// Keys of all targets asked for, in the host's order.
@@ -123,7 +132,10 @@ impl<'a> Frame<'a> {
 
     /// CPU renderers: takes the plane of this key, if it was asked for. The host has cleared it.
     pub fn take_plane(&mut self, key: &str) -> Option<Plane<'a>> {
-        self.planes.iter_mut().find(|plane| plane.as_ref().is_some_and(|plane| plane.key == key))?.take()
+        self.planes
+            .iter_mut()
+            .find(|plane| plane.as_ref().is_some_and(|plane| plane.key == key))?
+            .take()
     }
 
     /// What the user is doing.
@@ -143,7 +155,9 @@ impl<'a> Frame<'a> {
 
     /// Whether the setting of this id changed since this view's last frame.
     pub fn setting_changed(&self, id: &str) -> bool {
-        self.changed_settings.iter().any(|setting| setting.as_str() == id)
+        self.changed_settings
+            .iter()
+            .any(|setting| setting.as_str() == id)
     }
 
     /// Threads that the renderer may keep busy.
@@ -168,7 +182,10 @@ impl<'a> Frame<'a> {
 
     /// Reports a count or a time: a key of [`crate::statistics`] or one's own.
     pub fn report(&mut self, key: &str, value: f64) {
-        self.statistics.push(StatisticRecord { key: key.into(), value });
+        self.statistics.push(StatisticRecord {
+            key: key.into(),
+            value,
+        });
     }
 
     pub(crate) fn into_outcome(self, outcome: Outcome) -> abi::OutcomeRecord {
@@ -176,7 +193,11 @@ impl<'a> Frame<'a> {
             Outcome::Done => 1.0,
             Outcome::Refining(progress) => progress.clamp(0.0, 0.999),
         };
-        abi::OutcomeRecord { progress, commands: self.recorder.into_record(), statistics: self.statistics.into() }
+        abi::OutcomeRecord {
+            progress,
+            commands: self.recorder.into_record(),
+            statistics: self.statistics.into(),
+        }
     }
 }
 
@@ -237,10 +258,20 @@ impl<'a> Draw<'a> {
         let DrawUniform { first, count, .. } = self.record.uniform;
         let indices = self.record.indices.as_slice();
         let on_device = self.flags().contains(DrawFlags::INDEXED) && indices.is_empty();
-        let range = if on_device { 0..0 } else { first..first.saturating_add(count) };
+        let range = if on_device {
+            0..0
+        } else {
+            first..first.saturating_add(count)
+        };
         let block_count = self.record.block.surfel_count;
         range
-            .filter_map(move |entry| if indices.is_empty() { Some(entry) } else { indices.get(entry as usize).copied() })
+            .filter_map(move |entry| {
+                if indices.is_empty() {
+                    Some(entry)
+                } else {
+                    indices.get(entry as usize).copied()
+                }
+            })
             .filter(move |&surfel| surfel < block_count)
     }
 }
@@ -256,17 +287,25 @@ pub struct Plane<'a> {
 
 impl<'a> Plane<'a> {
     fn new<'f: 'a>(record: &'a mut PlaneRecord<'f>) -> Self {
-        let bytes = core::mem::replace(&mut record.bytes, RSliceMut::from_mut_slice(&mut [])).into_mut_slice();
-        Self { key: record.key.as_str(), format: record.format, row_stride: record.row_stride as usize, bytes }
+        let bytes = core::mem::replace(&mut record.bytes, RSliceMut::from_mut_slice(&mut []))
+            .into_mut_slice();
+        Self {
+            key: record.key.as_str(),
+            format: record.format,
+            row_stride: record.row_stride as usize,
+            bytes,
+        }
     }
 
     /// Its rows as scalars: `f32`, `[f32; 4]` or `u32` as the format says. Rows may be filled in parallel.
     pub fn rows<T: bytemuck::Pod>(&mut self) -> impl Iterator<Item = &mut [T]> {
         let size = size_of::<T>();
-        self.bytes.chunks_exact_mut(self.row_stride.max(1)).map(move |row| {
-            let whole = row.len() / size * size;
-            // The host aligns planes to 16 bytes, and strides to 4.
-            bytemuck::try_cast_slice_mut(&mut row[..whole]).unwrap_or_default()
-        })
+        self.bytes
+            .chunks_exact_mut(self.row_stride.max(1))
+            .map(move |row| {
+                let whole = row.len() / size * size;
+                // The host aligns planes to 16 bytes, and strides to 4.
+                bytemuck::try_cast_slice_mut(&mut row[..whole]).unwrap_or_default()
+            })
     }
 }

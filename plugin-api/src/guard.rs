@@ -53,7 +53,10 @@ pub(crate) fn guarded<T>(what: &str, act: impl FnOnce() -> Result<T>) -> Result<
     DEPTH.with_borrow_mut(|depth| *depth -= 1);
     outcome.unwrap_or_else(|payload| {
         let text = panic_message(payload.as_ref());
-        Err(Error::new(ErrorCode::PANICKED, format!("the plugin panicked in {what}: {text}")))
+        Err(Error::new(
+            ErrorCode::PANICKED,
+            format!("the plugin panicked in {what}: {text}"),
+        ))
     })
 }
 
@@ -81,7 +84,10 @@ mod tests {
     fn a_panic_becomes_an_error_with_its_place() {
         let error = guarded("render", || -> Result<()> { panic!("no {}", "luck") }).unwrap_err();
         assert_eq!(error.code, ErrorCode::PANICKED);
-        assert!(error.message.contains("render") && error.message.contains("no luck"), "{error}");
+        assert!(
+            error.message.contains("render") && error.message.contains("no luck"),
+            "{error}"
+        );
         assert!(error.message.contains("guard.rs"), "{error}");
     }
 

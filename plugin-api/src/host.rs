@@ -22,7 +22,9 @@ impl Host {
     /// Wraps the border's object.
     pub(crate) fn new(object: abi::HostRef) -> Self {
         let gpu = object.gpu().into_option().map(Gpu::new);
-        Self { inner: Arc::new(Inner { object, gpu }) }
+        Self {
+            inner: Arc::new(Inner { object, gpu }),
+        }
     }
 
     /// The GPU service.
@@ -31,7 +33,12 @@ impl Host {
     /// [`ErrorCode::UNSUPPORTED`] if the session has no device. A plugin whose manifest needs a GPU is never asked to
     /// prepare without one.
     pub fn gpu(&self) -> Result<&Gpu> {
-        let missing = || Error::new(ErrorCode::UNSUPPORTED, "this session has no GPU device; use a CPU renderer");
+        let missing = || {
+            Error::new(
+                ErrorCode::UNSUPPORTED,
+                "this session has no GPU device; use a CPU renderer",
+            )
+        };
         self.inner.gpu.as_ref().ok_or_else(missing)
     }
 
@@ -72,7 +79,10 @@ impl Host {
 
     /// An extension of the host, if it has one of this name.
     pub fn extension(&self, name: &str) -> Option<ExtensionBox> {
-        self.inner.object.extension(RStr::from_str(name)).into_option()
+        self.inner
+            .object
+            .extension(RStr::from_str(name))
+            .into_option()
     }
 }
 
@@ -116,7 +126,11 @@ impl<'a> Progress<'a> {
 
     /// `Err` if the call was cancelled; for `?`.
     pub fn check(&self) -> Result<()> {
-        if self.is_cancelled() { Err(Error::cancelled()) } else { Ok(()) }
+        if self.is_cancelled() {
+            Err(Error::cancelled())
+        } else {
+            Ok(())
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! The scene, borrowed for one call: objects, blocks of surfels, columns, and what changed.
 
 use crate::abi::{
-    BlockRecord, ChangeKind, ChangeRecord, ColumnRecord, Handle, MaterialRecord, ObjectFlags, ObjectRecord, ScalarType,
-    SceneRecord,
+    BlockRecord, ChangeKind, ChangeRecord, ColumnRecord, Handle, MaterialRecord, ObjectFlags,
+    ObjectRecord, ScalarType, SceneRecord,
 };
 use crate::columns;
 use crate::gpu::BufferRef;
@@ -26,12 +26,20 @@ impl<'a> Scene<'a> {
 
     /// The objects, hidden ones too.
     pub fn objects(&self) -> impl ExactSizeIterator<Item = Object<'a>> + use<'a> {
-        self.record.objects.as_slice().iter().map(|record| Object { record })
+        self.record
+            .objects
+            .as_slice()
+            .iter()
+            .map(|record| Object { record })
     }
 
     /// The object of this number.
     pub fn object(&self, index: u32) -> Option<Object<'a>> {
-        self.record.objects.as_slice().get(index as usize).map(|record| Object { record })
+        self.record
+            .objects
+            .as_slice()
+            .get(index as usize)
+            .map(|record| Object { record })
     }
 
     /// Surfels of all objects.
@@ -94,7 +102,11 @@ impl<'a> Object<'a> {
 
     /// The blocks, in order.
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = Block<'a>> + use<'a> {
-        self.record.blocks.as_slice().iter().map(|record| Block { record: *record })
+        self.record
+            .blocks
+            .as_slice()
+            .iter()
+            .map(|record| Block { record: *record })
     }
 
     /// Triangles over the object's surfels (three numbers each, counted through all blocks), if it is a mesh.
@@ -157,7 +169,11 @@ impl<'a> Block<'a> {
 
     /// All columns.
     pub fn columns(&self) -> impl ExactSizeIterator<Item = Column<'a>> + use<'a> {
-        self.record.columns.as_slice().iter().map(|record| Column { record })
+        self.record
+            .columns
+            .as_slice()
+            .iter()
+            .map(|record| Column { record })
     }
 
     fn standard<T: bytemuck::AnyBitPattern>(&self, name: &str) -> Option<&'a [T]> {
@@ -206,7 +222,10 @@ impl<'a> Column<'a> {
 }
 
 fn find_column<'a>(records: &'a [ColumnRecord<'a>], name: &str) -> Option<Column<'a>> {
-    records.iter().find(|record| record.name.as_str() == name).map(|record| Column { record })
+    records
+        .iter()
+        .find(|record| record.name.as_str() == name)
+        .map(|record| Column { record })
 }
 
 /// What changed since the previous preparation.
@@ -222,7 +241,9 @@ impl<'a> Changes<'a> {
 
     /// Kind of change, id of the object (0 if none), name of the column or setting (or empty).
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (ChangeKind, u64, &'a str)> + use<'a> {
-        self.records.iter().map(|record| (record.kind, record.object, record.name.as_str()))
+        self.records
+            .iter()
+            .map(|record| (record.kind, record.object, record.name.as_str()))
     }
 
     /// Whether any change is of this kind.

@@ -22,13 +22,16 @@ impl<'a> Settings<'a> {
                 "setting '{id}' was asked for as {kind:?}, but the manifest declares {:?}",
                 record.kind
             ))),
-            None => Err(Error::failed(format!("setting '{id}' is not in the manifest; add it, or correct the id"))),
+            None => Err(Error::failed(format!(
+                "setting '{id}' is not in the manifest; add it, or correct the id"
+            ))),
         }
     }
 
     /// A `bool` setting.
     pub fn bool(&self, id: &str) -> Result<bool> {
-        self.find(id, ValueKind::BOOL).map(|record| record.integer != 0)
+        self.find(id, ValueKind::BOOL)
+            .map(|record| record.integer != 0)
     }
 
     /// An `int` setting.
@@ -38,21 +41,25 @@ impl<'a> Settings<'a> {
 
     /// A `float` setting.
     pub fn float(&self, id: &str) -> Result<f32> {
-        self.find(id, ValueKind::FLOAT).map(|record| record.numbers[0] as f32)
+        self.find(id, ValueKind::FLOAT)
+            .map(|record| record.numbers[0] as f32)
     }
 
     /// A `choice` setting: the chosen option's id.
     pub fn choice(&self, id: &str) -> Result<&'a str> {
-        self.find(id, ValueKind::CHOICE).map(|record| record.text.as_str())
+        self.find(id, ValueKind::CHOICE)
+            .map(|record| record.text.as_str())
     }
 
     /// A `colour` setting: linear red, green, blue, alpha.
     pub fn colour(&self, id: &str) -> Result<[f32; 4]> {
-        self.find(id, ValueKind::COLOUR).map(|record| record.numbers.map(|number| number as f32))
+        self.find(id, ValueKind::COLOUR)
+            .map(|record| record.numbers.map(|number| number as f32))
     }
 
     /// A `text` setting.
     pub fn text(&self, id: &str) -> Result<&'a str> {
-        self.find(id, ValueKind::TEXT).map(|record| record.text.as_str())
+        self.find(id, ValueKind::TEXT)
+            .map(|record| record.text.as_str())
     }
 }

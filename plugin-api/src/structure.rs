@@ -1,6 +1,8 @@
 //! What the author of a level-of-detail structure writes: which surfels, at which level, for this view?
 
-use crate::abi::{self, BlockSource, ColumnRecord, DrawUniform, FrameUniform, Handle, Interaction, ScalarType};
+use crate::abi::{
+    self, BlockSource, ColumnRecord, DrawUniform, FrameUniform, Handle, Interaction, ScalarType,
+};
 use crate::columns;
 use crate::error::Result;
 use crate::gpu::{Buffer, Recorder};
@@ -56,7 +58,13 @@ pub struct OwnBlock<'a> {
 
 /// The view for which surfels are sought.
 pub struct Query<'a> {
-    record: &'a abi::SelectRecord<'a>,
+    uniform: &'a FrameUniform,
+    world_from_view: DMat4,
+    scene: Scene<'a>,
+    objects: &'a [DrawUniform],
+    settings: Settings<'a>,
+    interaction: Interaction,
+    call: &'a dyn Call,
 }
 
 /// What a selector answers.
@@ -77,43 +85,52 @@ pub enum Source {
 }
 
 impl<'a> Query<'a> {
-    pub(crate) fn new(record: &'a abi::SelectRecord<'a>) -> Self {
-        Self { record }
+    /// Takes the border's record apart, so that one short lifetime is left of it.
+    pub(crate) fn new<'f: 'a>(record: &'a abi::SelectRecord<'f>) -> Self {
+        Self {
+            uniform: &record.uniform,
+            world_from_view: DMat4::from_cols_array(&record.world_from_view),
+            scene: Scene::new(record.scene),
+            objects: record.objects.as_slice(),
+            settings: Settings::new(record.settings.as_slice()),
+            interaction: record.interaction,
+            call: &record.call,
+        }
     }
 
     /// Camera and image size.
     pub fn uniform(&self) -> &'a FrameUniform {
-        &self.record.uniform
+        self.uniform
     }
 
     /// World coordinates from view coordinates, f64.
     pub fn world_from_view(&self) -> DMat4 {
-        DMat4::from_cols_array(&self.record.world_from_view)
+        self.world_from_view
     }
 
     /// The scene.
     pub fn scene(&self) -> Scene<'a> {
-        Scene::new(self.record.scene)
+        self.scene
     }
 
     /// View from object and the rest, one for each object of the scene.
     pub fn objects(&self) -> &'a [DrawUniform] {
-        self.record.objects.as_slice()
+        self.objects
     }
 
     /// The settings' values.
     pub fn settings(&self) -> Settings<'a> {
-        Settings::new(self.record.settings.as_slice())
+        self.settings
     }
 
     /// What the user is doing.
     pub fn interaction(&self) -> Interaction {
-        self.record.interaction
+        self.interaction
     }
 
-    /// Whether the frame is no longer wanted.
-    pub fn should_stop(&self) -> bool {
-        self.record.call.stop()
+    /// Cancel and progress of the call.
+    pub fn progress(&self) -> Progress<'a> {
+        Progress::new(self.call)
     }
 }
 
@@ -126,7 +143,14 @@ impl Selection {
     /// Selects a range of surfels of a block.
     ///
     /// `level` counts from the root; `error` is the object-space error, scene units, 0 for leaves.
-    pub fn range(&mut self, object: u32, source: Source, range: core::ops::Range<u32>, level: f32, error: f32) {
+    pub fn range(
+        &mut self,
+        object: u32,
+        source: Source,
+        range: core::ops::Range<u32>,
+        level: f32,
+        error: f32,
+    ) {
         let (source, block) = split(source);
         self.draws.push(abi::SelectedDrawRecord {
             object,
@@ -144,7 +168,14 @@ impl Selection {
     }
 
     /// Selects surfels of a block by their numbers.
-    pub fn surfels(&mut self, object: u32, source: Source, surfels: Vec<u32>, level: f32, error: f32) {
+    pub fn surfels(
+        &mut self,
+        object: u32,
+        source: Source,
+        surfels: Vec<u32>,
+        level: f32,
+        error: f32,
+    ) {
         self.range(object, source, 0..surfels.len() as u32, level, error);
         if let Some(draw) = self.draws.last_mut() {
             draw.indices = surfels.into();
@@ -178,7 +209,10 @@ impl Selection {
 
     /// Reports a count or a time.
     pub fn report(&mut self, key: &str, value: f64) {
-        self.statistics.push(abi::StatisticRecord { key: key.into(), value });
+        self.statistics.push(abi::StatisticRecord {
+            key: key.into(),
+            value,
+        });
     }
 
     pub(crate) fn into_record(self) -> abi::SelectionRecord {
@@ -215,9 +249,20 @@ pub(crate) fn own_columns<'a>(block: &OwnBlock<'a>) -> Vec<ColumnRecord<'a>> {
             buffer: Handle::NONE,
         }
     }
-    let OwnBlock { position_radius, normals, colours, axes, .. } = *block;
+    let OwnBlock {
+        position_radius,
+        normals,
+        colours,
+        axes,
+        ..
+    } = *block;
     [
-        Some(column(columns::POSITION_RADIUS, position_radius, ScalarType::F32, 4)),
+        Some(column(
+            columns::POSITION_RADIUS,
+            position_radius,
+            ScalarType::F32,
+            4,
+        )),
         normals.map(|content| column(columns::NORMAL, content, ScalarType::U32, 4)),
         colours.map(|content| column(columns::COLOUR, content, ScalarType::U32, 4)),
         axes.map(|content| column(columns::AXES, content, ScalarType::F32, 4)),
@@ -225,9 +270,4 @@ pub(crate) fn own_columns<'a>(block: &OwnBlock<'a>) -> Vec<ColumnRecord<'a>> {
     .into_iter()
     .flatten()
     .collect()
-}
-
-/// A call's progress, for the adapter.
-pub(crate) fn progress<'a>(call: &'a dyn Call) -> Progress<'a> {
-    Progress::new(call)
 }

@@ -18,7 +18,11 @@ pub fn leak_root(
     manifest: extern "C" fn() -> RSlice<'static, u8>,
     factories: extern "C" fn() -> RResult<RVec<FactoryBox>, ErrorRecord>,
 ) -> PluginRootRef {
-    PluginRoot { manifest, factories }.leak_into_prefix()
+    PluginRoot {
+        manifest,
+        factories,
+    }
+    .leak_into_prefix()
 }
 
 /// Runs `make` under abi_stable's own guard.

@@ -104,6 +104,11 @@ pub trait HostObject: Send + Sync {
 }
 pub type HostRef = HostObject_TO<'static, RArc<()>>;
 
+/// Another reference to the same host.
+pub fn share_host(host: &HostRef) -> HostRef {
+    HostObject_TO::from_sabi(host.obj.shallow_clone())
+}
+
 /// One running call: cancel and progress. Thread: any, while the call lasts.
 #[sabi_trait]
 pub trait CallObject: Send + Sync {

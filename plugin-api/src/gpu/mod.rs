@@ -10,11 +10,10 @@ mod service;
 
 pub use recorder::{ColourAttachment, ComputePass, DepthAttachment, Recorder, RenderPass};
 pub use resources::{
-    AsHandle,
-    BindGroup, BindGroupLayout, Buffer, BufferRef, ComputePipeline, GroupRef, RenderPipeline, Sampler, Shader, Texture,
-    TextureRef, TextureView, Ticket,
+    AsHandle, BindGroup, BindGroupLayout, Buffer, BufferRef, ComputePipeline, GroupRef,
+    RenderPipeline, Sampler, Shader, Texture, TextureRef, TextureView, Ticket,
 };
 pub use service::{
-    Binding, Blend, ColourTarget, ComputePipelineOptions, DepthTest, Gpu, Layout, RenderPipelineOptions, TextureOptions,
-    VertexBuffer,
+    Binding, Blend, ColourTarget, ComputePipelineOptions, DepthTest, Gpu, Layout,
+    RenderPipelineOptions, TextureOptions, VertexBuffer,
 };

@@ -1,8 +1,7 @@
 //! Recording passes and commands.
 
 use super::resources::{AsHandle, Buffer, ComputePipeline, RenderPipeline, Ticket};
-use crate::abi::CommandListRecord;
-use crate::abi::commands::{self, Command};
+use crate::abi::commands::{self, Command, CommandListRecord};
 use bytemuck::NoUninit;
 
 pub use crate::abi::commands::{ColourAttachment, DepthAttachment};
@@ -31,42 +30,72 @@ impl Recorder {
         colours: &[Option<ColourAttachment>],
         depth: Option<DepthAttachment>,
     ) -> RenderPass<'_> {
-        self.push(commands::BeginRenderPass { label: label.into(), colours: colours.into(), depth });
+        self.push(commands::BeginRenderPass {
+            label: label.into(),
+            colours: colours.into(),
+            depth,
+        });
         RenderPass { recorder: self }
     }
 
     /// Opens a compute pass, which ends when it is dropped. Its label names it in the timings.
     pub fn compute_pass(&mut self, label: &str) -> ComputePass<'_> {
-        self.push(commands::BeginComputePass { label: label.into() });
+        self.push(commands::BeginComputePass {
+            label: label.into(),
+        });
         ComputePass { recorder: self }
     }
 
     /// Fills a buffer with zeros.
     pub fn clear_buffer(&mut self, buffer: &Buffer) {
-        self.push(commands::ClearBuffer { buffer: buffer.handle(), offset: 0, size: 0 });
+        self.push(commands::ClearBuffer {
+            buffer: buffer.handle(),
+            offset: 0,
+            size: 0,
+        });
     }
 
     /// Copies bytes between buffers.
-    pub fn copy_buffer(&mut self, source: &dyn AsHandle, source_offset: u64, target: &Buffer, target_offset: u64, size: u64) {
+    pub fn copy_buffer(
+        &mut self,
+        source: &dyn AsHandle,
+        source_offset: u64,
+        target: &Buffer,
+        target_offset: u64,
+        size: u64,
+    ) {
         let (source, target) = (source.as_handle(), target.handle());
-        self.push(commands::CopyBufferToBuffer { source, source_offset, target, target_offset, size });
+        self.push(commands::CopyBufferToBuffer {
+            source,
+            source_offset,
+            target,
+            target_offset,
+            size,
+        });
     }
 
     /// Copies bytes of a buffer to the CPU; poll the ticket in a later frame.
     pub fn read_back(&mut self, buffer: &Buffer, offset: u64, size: u64, ticket: &Ticket) {
         let (buffer, ticket) = (buffer.handle(), ticket.handle());
-        self.push(commands::ReadBack { buffer, offset, size, ticket });
+        self.push(commands::ReadBack {
+            buffer,
+            offset,
+            size,
+            ticket,
+        });
     }
 
     /// Appends what another recorder holds.
     pub fn append(&mut self, other: &Self) {
         let shift = self.list.payload.len() as u32;
         self.list.payload.extend(other.list.payload.iter().copied());
-        self.list.commands.extend(other.list.commands.iter().map(|record| {
-            let mut record = *record;
-            record.start += shift;
-            record
-        }));
+        self.list
+            .commands
+            .extend(other.list.commands.iter().map(|record| {
+                let mut record = *record;
+                record.start += shift;
+                record
+            }));
     }
 
     pub(crate) fn into_record(self) -> CommandListRecord {
@@ -77,29 +106,48 @@ impl Recorder {
 impl ColourAttachment {
     /// Keeps what is there: the host has cleared its targets.
     pub fn load(target: &dyn AsHandle) -> Self {
-        Self { target: target.as_handle(), resolve: crate::abi::Handle::NONE, clear: None, store: true }
+        Self {
+            target: target.as_handle(),
+            resolve: crate::abi::Handle::NONE,
+            clear: None,
+            store: true,
+        }
     }
 
     /// Clears first.
     pub fn clear(target: &dyn AsHandle, value: [f64; 4]) -> Self {
-        Self { clear: Some(value), ..Self::load(target) }
+        Self {
+            clear: Some(value),
+            ..Self::load(target)
+        }
     }
 }
 
 impl DepthAttachment {
     /// Keeps what is there, tests and writes.
     pub fn load(target: &dyn AsHandle) -> Self {
-        Self { target: target.as_handle(), clear: None, store: true, read_only: false }
+        Self {
+            target: target.as_handle(),
+            clear: None,
+            store: true,
+            read_only: false,
+        }
     }
 
     /// Clears to 0, which is infinitely far in reversed z.
     pub fn clear(target: &dyn AsHandle) -> Self {
-        Self { clear: Some(0.0), ..Self::load(target) }
+        Self {
+            clear: Some(0.0),
+            ..Self::load(target)
+        }
     }
 
     /// Tests only; shaders may read the texture meanwhile.
     pub fn read_only(target: &dyn AsHandle) -> Self {
-        Self { read_only: true, ..Self::load(target) }
+        Self {
+            read_only: true,
+            ..Self::load(target)
+        }
     }
 }
 
@@ -108,13 +156,19 @@ macro_rules! pass_methods {
         impl $pass<'_> {
             /// Sets the pipeline.
             pub fn set_pipeline(&mut self, pipeline: &$pipeline) {
-                self.recorder.push(commands::SetPipeline { pipeline: pipeline.handle() });
+                self.recorder.push(commands::SetPipeline {
+                    pipeline: pipeline.handle(),
+                });
             }
 
             /// Sets a bind group, with one offset for each dynamic binding.
             pub fn set_bind_group(&mut self, index: u32, group: &dyn AsHandle, offsets: &[u32]) {
                 let (group, offsets) = (group.as_handle(), offsets.into());
-                self.recorder.push(commands::SetBindGroup { index, group, offsets });
+                self.recorder.push(commands::SetBindGroup {
+                    index,
+                    group,
+                    offsets,
+                });
             }
 
             /// Sets immediate data (push constants) at a byte offset.
@@ -142,12 +196,20 @@ pass_methods!(ComputePass, ComputePipeline);
 impl RenderPass<'_> {
     /// Sets a vertex buffer.
     pub fn set_vertex_buffer(&mut self, slot: u32, buffer: &dyn AsHandle) {
-        self.recorder.push(commands::SetVertexBuffer { slot, buffer: buffer.as_handle(), offset: 0 });
+        self.recorder.push(commands::SetVertexBuffer {
+            slot,
+            buffer: buffer.as_handle(),
+            offset: 0,
+        });
     }
 
     /// Sets the index buffer of `u32`s.
     pub fn set_index_buffer(&mut self, buffer: &dyn AsHandle) {
-        self.recorder.push(commands::SetIndexBuffer { buffer: buffer.as_handle(), offset: 0, wide: true });
+        self.recorder.push(commands::SetIndexBuffer {
+            buffer: buffer.as_handle(),
+            offset: 0,
+            wide: true,
+        });
     }
 
     /// Draws `vertices` vertices, `instances` times.
@@ -161,7 +223,12 @@ impl RenderPass<'_> {
     }
 
     /// Draws by the index buffer.
-    pub fn draw_indexed(&mut self, indices: core::ops::Range<u32>, base_vertex: i32, instances: core::ops::Range<u32>) {
+    pub fn draw_indexed(
+        &mut self,
+        indices: core::ops::Range<u32>,
+        base_vertex: i32,
+        instances: core::ops::Range<u32>,
+    ) {
         self.recorder.push(commands::DrawIndexed {
             index_count: indices.end.saturating_sub(indices.start),
             instance_count: instances.end.saturating_sub(instances.start),
@@ -173,7 +240,10 @@ impl RenderPass<'_> {
 
     /// Draws with arguments from a buffer.
     pub fn draw_indirect(&mut self, buffer: &Buffer, offset: u64) {
-        self.recorder.push(commands::DrawIndirect { buffer: buffer.handle(), offset });
+        self.recorder.push(commands::DrawIndirect {
+            buffer: buffer.handle(),
+            offset,
+        });
     }
 
     /// Restricts drawing to a rectangle; px.
@@ -195,12 +265,19 @@ impl ComputePass<'_> {
     pub fn dispatch_linear(&mut self, invocations: u32, group_size: u32) {
         const ROW: u32 = 32_768; // groups a row: below WebGPU's 65,535, and a power of two
         let groups = invocations.div_ceil(group_size.max(1));
-        self.dispatch([groups.min(ROW), groups.div_ceil(ROW).max(u32::from(groups > 0)), 1]);
+        self.dispatch([
+            groups.min(ROW),
+            groups.div_ceil(ROW).max(u32::from(groups > 0)),
+            1,
+        ]);
     }
 
     /// Runs workgroups with arguments from a buffer.
     pub fn dispatch_indirect(&mut self, buffer: &Buffer, offset: u64) {
-        self.recorder.push(commands::DispatchIndirect { buffer: buffer.handle(), offset });
+        self.recorder.push(commands::DispatchIndirect {
+            buffer: buffer.handle(),
+            offset,
+        });
     }
 }
 

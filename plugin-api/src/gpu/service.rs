@@ -2,10 +2,12 @@
 
 use super::recorder::Recorder;
 use super::resources::{
-    AsHandle, BindGroup, BindGroupLayout, Buffer, ComputePipeline, RenderPipeline, Sampler, Shader, Texture, TextureView,
-    Ticket,
+    AsHandle, BindGroup, BindGroupLayout, Buffer, ComputePipeline, RenderPipeline, Sampler, Shader,
+    Texture, TextureView, Ticket,
 };
-use crate::abi::{self, BindingKind, BufferUsage, Compare, DeviceRecord, Format, Handle, SampleType, ShaderStages};
+use crate::abi::{
+    self, BindingKind, BufferUsage, Compare, DeviceRecord, Format, Handle, SampleType, ShaderStages,
+};
 use crate::error::{Result, from_border};
 use abi_stable::std_types::{RSlice, RStr};
 use bytemuck::NoUninit;
@@ -76,17 +78,39 @@ pub struct Blend {
 
 impl Blend {
     /// Source + destination, in all channels.
-    pub const ADD: Self = Self::both(abi::BlendFactor::ONE, abi::BlendFactor::ONE, abi::BlendOperation::ADD);
+    pub const ADD: Self = Self::both(
+        abi::BlendFactor::ONE,
+        abi::BlendFactor::ONE,
+        abi::BlendOperation::ADD,
+    );
     /// Source over destination, premultiplied.
-    pub const OVER: Self =
-        Self::both(abi::BlendFactor::ONE, abi::BlendFactor::ONE_MINUS_SRC_ALPHA, abi::BlendOperation::ADD);
+    pub const OVER: Self = Self::both(
+        abi::BlendFactor::ONE,
+        abi::BlendFactor::ONE_MINUS_SRC_ALPHA,
+        abi::BlendOperation::ADD,
+    );
     /// The greater of both, in all channels.
-    pub const MAX: Self = Self::both(abi::BlendFactor::ONE, abi::BlendFactor::ONE, abi::BlendOperation::MAX);
+    pub const MAX: Self = Self::both(
+        abi::BlendFactor::ONE,
+        abi::BlendFactor::ONE,
+        abi::BlendOperation::MAX,
+    );
 
     /// The same for colour and alpha.
-    pub const fn both(source: abi::BlendFactor, destination: abi::BlendFactor, operation: abi::BlendOperation) -> Self {
-        let component = abi::BlendComponentRecord { source, destination, operation };
-        Self { colour: component, alpha: component }
+    pub const fn both(
+        source: abi::BlendFactor,
+        destination: abi::BlendFactor,
+        operation: abi::BlendOperation,
+    ) -> Self {
+        let component = abi::BlendComponentRecord {
+            source,
+            destination,
+            operation,
+        };
+        Self {
+            colour: component,
+            alpha: component,
+        }
     }
 }
 
@@ -112,7 +136,11 @@ pub struct DepthTest {
 
 impl DepthTest {
     /// Nearer wins and is written, in the host's `depth` target.
-    pub const NEARER: Self = Self { format: Format::DEPTH32_FLOAT, writes: true, compare: Compare::GREATER };
+    pub const NEARER: Self = Self {
+        format: Format::DEPTH32_FLOAT,
+        writes: true,
+        compare: Compare::GREATER,
+    };
 }
 
 /// One vertex buffer of a render pipeline: stride, attributes (format, offset, location), per instance or not.
@@ -193,7 +221,13 @@ pub struct ComputePipelineOptions<'a> {
 }
 
 fn constants<'a>(pairs: &[(&'a str, f64)]) -> Vec<abi::ConstantRecord<'a>> {
-    pairs.iter().map(|&(name, value)| abi::ConstantRecord { name: RStr::from_str(name), value }).collect()
+    pairs
+        .iter()
+        .map(|&(name, value)| abi::ConstantRecord {
+            name: RStr::from_str(name),
+            value,
+        })
+        .collect()
 }
 
 fn handles(layouts: &[&BindGroupLayout]) -> Vec<Handle> {
@@ -202,7 +236,9 @@ fn handles(layouts: &[&BindGroupLayout]) -> Vec<Handle> {
 
 impl Gpu {
     pub(crate) fn new(object: abi::GpuRef) -> Self {
-        Self { object: Arc::new(object) }
+        Self {
+            object: Arc::new(object),
+        }
     }
 
     /// Name, backend and kind of the device.
@@ -238,14 +274,27 @@ impl Gpu {
     /// A buffer of zeros; `size` in bytes, rounded up to a multiple of 4.
     pub fn buffer(&self, label: &str, size: u64, usage: BufferUsage) -> Result<Buffer> {
         let size = size.next_multiple_of(4);
-        let descriptor = abi::BufferDescriptor { label: RStr::from_str(label), size, usage };
+        let descriptor = abi::BufferDescriptor {
+            label: RStr::from_str(label),
+            size,
+            usage,
+        };
         from_border(self.object.create_buffer(&descriptor)).map(|handle| Buffer::own(handle, self))
     }
 
     /// A buffer with content.
-    pub fn buffer_with<T: NoUninit>(&self, label: &str, usage: BufferUsage, content: &[T]) -> Result<Buffer> {
+    pub fn buffer_with<T: NoUninit>(
+        &self,
+        label: &str,
+        usage: BufferUsage,
+        content: &[T],
+    ) -> Result<Buffer> {
         let bytes: &[u8] = bytemuck::cast_slice(content);
-        let buffer = self.buffer(label, bytes.len().max(4) as u64, usage | BufferUsage::COPY_DST)?;
+        let buffer = self.buffer(
+            label,
+            bytes.len().max(4) as u64,
+            usage | BufferUsage::COPY_DST,
+        )?;
         self.write(&buffer, 0, content)?;
         Ok(buffer)
     }
@@ -296,7 +345,8 @@ impl Gpu {
 
     /// Any view of a texture.
     pub fn view(&self, descriptor: &abi::TextureViewDescriptor<'_>) -> Result<TextureView> {
-        from_border(self.object.create_texture_view(descriptor)).map(|handle| TextureView::own(handle, self))
+        from_border(self.object.create_texture_view(descriptor))
+            .map(|handle| TextureView::own(handle, self))
     }
 
     /// A sampler.
@@ -309,7 +359,10 @@ impl Gpu {
     /// # Errors
     /// The compiler's message, with line, column and source line.
     pub fn shader(&self, label: &str, wgsl: &str) -> Result<Shader> {
-        let descriptor = abi::ShaderDescriptor { label: RStr::from_str(label), wgsl: RStr::from_str(wgsl) };
+        let descriptor = abi::ShaderDescriptor {
+            label: RStr::from_str(label),
+            wgsl: RStr::from_str(wgsl),
+        };
         from_border(self.object.create_shader(&descriptor)).map(|handle| Shader::own(handle, self))
     }
 
@@ -317,8 +370,12 @@ impl Gpu {
     pub fn bind_group_layout(&self, label: &str, entries: &[Layout]) -> Result<BindGroupLayout> {
         let entries: Vec<_> = entries.iter().map(|&entry| layout_record(entry)).collect();
         let entries = RSlice::from_slice(&entries);
-        let descriptor = abi::BindGroupLayoutDescriptor { label: RStr::from_str(label), entries };
-        from_border(self.object.create_bind_group_layout(&descriptor)).map(|handle| BindGroupLayout::own(handle, self))
+        let descriptor = abi::BindGroupLayoutDescriptor {
+            label: RStr::from_str(label),
+            entries,
+        };
+        from_border(self.object.create_bind_group_layout(&descriptor))
+            .map(|handle| BindGroupLayout::own(handle, self))
     }
 
     /// A bind group of whole buffers, textures, views and samplers, by binding number.
@@ -330,7 +387,11 @@ impl Gpu {
     ) -> Result<BindGroup> {
         let entries: Vec<_> = entries
             .iter()
-            .map(|&(binding, resource)| abi::BindingRecord { binding, resource: resource.as_handle(), ..Default::default() })
+            .map(|&(binding, resource)| abi::BindingRecord {
+                binding,
+                resource: resource.as_handle(),
+                ..Default::default()
+            })
             .collect();
         let descriptor = abi::BindGroupDescriptor {
             label: RStr::from_str(label),
@@ -342,7 +403,8 @@ impl Gpu {
 
     /// A bind group with ranges of buffers.
     pub fn bind_group_from(&self, descriptor: &abi::BindGroupDescriptor<'_>) -> Result<BindGroup> {
-        from_border(self.object.create_bind_group(descriptor)).map(|handle| BindGroup::own(handle, self))
+        from_border(self.object.create_bind_group(descriptor))
+            .map(|handle| BindGroup::own(handle, self))
     }
 
     /// A render pipeline.
@@ -363,8 +425,16 @@ impl Gpu {
                 attributes: RSlice::from_slice(buffer.attributes),
             })
             .collect();
-        let targets: Vec<_> = options.targets.iter().map(|target| target_record(*target)).collect();
-        let no_stage = abi::StageRecord { shader: Handle::NONE, entry_point: RStr::from_str(""), constants: RSlice::EMPTY };
+        let targets: Vec<_> = options
+            .targets
+            .iter()
+            .map(|target| target_record(*target))
+            .collect();
+        let no_stage = abi::StageRecord {
+            shader: Handle::NONE,
+            entry_point: RStr::from_str(""),
+            constants: RSlice::EMPTY,
+        };
         let descriptor = abi::RenderPipelineDescriptor {
             label: RStr::from_str(options.label),
             layouts: RSlice::from_slice(&layouts),
@@ -379,11 +449,15 @@ impl Gpu {
             targets: RSlice::from_slice(&targets),
             sample_count: 1,
         };
-        from_border(self.object.create_render_pipeline(&descriptor)).map(|handle| RenderPipeline::own(handle, self))
+        from_border(self.object.create_render_pipeline(&descriptor))
+            .map(|handle| RenderPipeline::own(handle, self))
     }
 
     /// A compute pipeline.
-    pub fn compute_pipeline(&self, options: &ComputePipelineOptions<'_>) -> Result<ComputePipeline> {
+    pub fn compute_pipeline(
+        &self,
+        options: &ComputePipelineOptions<'_>,
+    ) -> Result<ComputePipeline> {
         let layouts = handles(options.layouts);
         let constants = constants(options.constants);
         let descriptor = abi::ComputePipelineDescriptor {
@@ -396,7 +470,8 @@ impl Gpu {
                 constants: RSlice::from_slice(&constants),
             },
         };
-        from_border(self.object.create_compute_pipeline(&descriptor)).map(|handle| ComputePipeline::own(handle, self))
+        from_border(self.object.create_compute_pipeline(&descriptor))
+            .map(|handle| ComputePipeline::own(handle, self))
     }
 
     /// Runs recorded commands now. Only in `prepare`; a frame's commands go to [`crate::Frame::submit`].
@@ -431,15 +506,34 @@ impl Gpu {
 }
 
 fn layout_record((binding, visibility, kind): Layout) -> abi::BindingLayoutRecord {
-    let record = abi::BindingLayoutRecord { binding, visibility, ..Default::default() };
-    let texture = |sample_type| abi::BindingLayoutRecord { kind: BindingKind::TEXTURE, sample_type, ..record };
+    let record = abi::BindingLayoutRecord {
+        binding,
+        visibility,
+        ..Default::default()
+    };
+    let texture = |sample_type| abi::BindingLayoutRecord {
+        kind: BindingKind::TEXTURE,
+        sample_type,
+        ..record
+    };
     match kind {
-        Binding::Uniform => abi::BindingLayoutRecord { kind: BindingKind::UNIFORM_BUFFER, ..record },
-        Binding::UniformDynamic => {
-            abi::BindingLayoutRecord { kind: BindingKind::UNIFORM_BUFFER, dynamic_offset: 1, ..record }
-        }
-        Binding::StorageRead => abi::BindingLayoutRecord { kind: BindingKind::STORAGE_BUFFER_READ, ..record },
-        Binding::Storage => abi::BindingLayoutRecord { kind: BindingKind::STORAGE_BUFFER, ..record },
+        Binding::Uniform => abi::BindingLayoutRecord {
+            kind: BindingKind::UNIFORM_BUFFER,
+            ..record
+        },
+        Binding::UniformDynamic => abi::BindingLayoutRecord {
+            kind: BindingKind::UNIFORM_BUFFER,
+            dynamic_offset: 1,
+            ..record
+        },
+        Binding::StorageRead => abi::BindingLayoutRecord {
+            kind: BindingKind::STORAGE_BUFFER_READ,
+            ..record
+        },
+        Binding::Storage => abi::BindingLayoutRecord {
+            kind: BindingKind::STORAGE_BUFFER,
+            ..record
+        },
         Binding::Texture => texture(SampleType::FLOAT),
         Binding::TextureUnfilterable => texture(SampleType::FLOAT_UNFILTERABLE),
         Binding::TextureDepth => texture(SampleType::DEPTH),
@@ -450,18 +544,41 @@ fn layout_record((binding, visibility, kind): Layout) -> abi::BindingLayoutRecor
             access: abi::StorageAccess::WRITE,
             ..record
         },
-        Binding::Sampler => abi::BindingLayoutRecord { kind: BindingKind::SAMPLER, ..record },
-        Binding::SamplerComparison => abi::BindingLayoutRecord { kind: BindingKind::SAMPLER_COMPARISON, ..record },
+        Binding::Sampler => abi::BindingLayoutRecord {
+            kind: BindingKind::SAMPLER,
+            ..record
+        },
+        Binding::SamplerComparison => abi::BindingLayoutRecord {
+            kind: BindingKind::SAMPLER_COMPARISON,
+            ..record
+        },
     }
 }
 
 fn target_record(target: Option<ColourTarget>) -> abi::ColourTargetRecord {
-    let Some(ColourTarget { format, blend }) = target else { return abi::ColourTargetRecord::default() };
+    let Some(ColourTarget { format, blend }) = target else {
+        return abi::ColourTargetRecord::default();
+    };
     let Blend { colour, alpha } = blend.unwrap_or_default();
-    abi::ColourTargetRecord { format, blends: blend.is_some().into(), colour, alpha, write_mask: 0b1111 }
+    abi::ColourTargetRecord {
+        format,
+        blends: blend.is_some().into(),
+        colour,
+        alpha,
+        write_mask: 0b1111,
+    }
 }
 
 fn depth_record(test: DepthTest) -> abi::DepthRecord {
-    let DepthTest { format, writes, compare } = test;
-    abi::DepthRecord { format, writes: writes.into(), compare, ..Default::default() }
+    let DepthTest {
+        format,
+        writes,
+        compare,
+    } = test;
+    abi::DepthRecord {
+        format,
+        writes: writes.into(),
+        compare,
+        ..Default::default()
+    }
 }
