@@ -1,5 +1,6 @@
 //! What a frame is asked for, and what it gives: the whole interface between the stage and whoever shows pictures.
 
+use crate::frame::{Background, Picture, Plane, Show};
 use pointstage_plugin_api::abi::{Interaction, Purpose};
 use pointstage_scene::{Camera, Lights, Scene};
 use std::collections::BTreeMap;
@@ -19,27 +20,6 @@ pub enum Role {
     Preview,
     /// Off-screen: exports, tools, reference.
     Auxiliary,
-}
-
-/// What is shown: the composed colours, or one target as it is, with a legend.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub enum Show {
-    /// The colour target over the background.
-    #[default]
-    Colours,
-    /// A target by its key (`normal`, `depth`, `id`, `lod`, `kind`, …).
-    Target(String),
-}
-
-/// What lies behind the objects; sRGB, 0..1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Background {
-    /// Nothing: the picture keeps its coverage as alpha.
-    Transparent,
-    /// One colour.
-    Solid([f32; 3]),
-    /// From top to bottom.
-    Gradient([f32; 3], [f32; 3]),
 }
 
 /// A setting's value, as the host keeps it.
@@ -112,29 +92,6 @@ pub struct FrameRequest {
     pub patience: Patience,
     /// Seed of random choices.
     pub seed: u32,
-}
-
-/// An 8-bit picture, rows from the top, 4 bytes a pixel: sRGB, straight alpha.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// px.
-    pub size_px: [u32; 2],
-    /// Red, green, blue, alpha.
-    pub rgba: Arc<[u8]>,
-}
-
-/// A target, read back.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Plane {
-    /// `channels` floats a pixel, rows from the top.
-    Float {
-        /// Floats a pixel.
-        channels: u32,
-        /// Row by row.
-        values: Arc<[f32]>,
-    },
-    /// One number a pixel, rows from the top.
-    Uint(Arc<[u32]>),
 }
 
 /// A time of one pass.
