@@ -32,6 +32,9 @@ pub const TRIANGLES: &str = "triangles";
 /// ends at 128 MiB.
 pub const MAX_BLOCK_SURFELS: usize = 4 << 20;
 
+/// Packed normal of a surfel whose normal is not known: [`encode_normal`] never gives it. Decodes to −z.
+pub const NO_NORMAL: u32 = 0x8000_8000;
+
 /// Centre (xyz, relative to the object's origin) and radius (w) of a surfel's disk, scene units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
@@ -275,6 +278,7 @@ mod tests {
             // The sine, since the cosine of so small an angle is lost in rounding.
             let error_degrees = unit.cross(decoded).length().asin().to_degrees();
             prop_assert!(error_degrees < 0.004 && unit.dot(decoded) > 0.0, "{error_degrees} degrees");
+            prop_assert_ne!(encode_normal(direction), NO_NORMAL);
         }
 
         #[test]

@@ -11,6 +11,7 @@
 mod bounds;
 mod camera;
 mod changes;
+pub mod estimate;
 mod geometry;
 mod job;
 mod light;
@@ -27,6 +28,8 @@ pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};
 pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType};
 pub use job::{Cancelled, Job};
 pub use light::{Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
-pub use load::{Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Winding, load};
+pub use load::{
+    Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Place, PlyError, Winding, load,
+};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};

@@ -27,8 +27,8 @@ pub enum WarningKind {
     UnusableNormalsReplaced,
     /// Radii that were NaN, infinite or negative; computed from faces or neighbours instead.
     UnusableRadiiReplaced,
-    /// Tangent axes that were NaN or infinite; replaced by a disk.
-    UnusableAxesReplaced,
+    /// Tangent axes that were NaN, infinite or parallel; the axes of all surfels were left out.
+    UnusableAxesIgnored,
     /// Faces that indexed past the end of the vertices, or used a dropped one; dropped.
     FacesOutOfRangeDropped,
     /// Faces with fewer than three different corners; dropped.
@@ -125,8 +125,11 @@ impl fmt::Display for Warning {
                     "{n} surfel{s} with NaN or negative radii: radii computed instead"
                 )
             }
-            WarningKind::UnusableAxesReplaced => {
-                write!(f, "{n} surfel{s} with NaN axes: drawn as disks")
+            WarningKind::UnusableAxesIgnored => {
+                write!(
+                    f,
+                    "{n} surfel{s} with NaN or parallel tangent axes: all axes ignored, drawn as disks"
+                )
             }
             WarningKind::FacesOutOfRangeDropped => {
                 write!(

@@ -3,9 +3,14 @@
 //! [`load`] looks at the file's first bytes, hands it to the loader of that format, and returns an object with counted
 //! warnings. It runs on a worker thread, reports to a [`Job`] and stops when that is cancelled.
 
+pub(crate) mod fill;
+mod ply;
+
 use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
+
+pub use ply::{Place, PlyError};
+use ply::{PlyContents, Stop};
 
 use crate::job::{Cancelled, Job};
 use crate::scene::Object;
@@ -30,8 +35,10 @@ pub enum Estimation {
     Automatic,
     /// Whatever it takes.
     Always,
-    /// Not while loading; the points can be shown first and estimated later.
+    /// Not while loading; the points can be shown first and estimated later. Faces still give normals and radii.
     Never,
+    /// Nothing at all beyond what the file says, not even from faces.
+    FileOnly,
 }
 
 /// Radius of a vertex of a mesh.
@@ -84,6 +91,14 @@ pub enum LoadError {
         /// Its first bytes, escaped.
         found: String,
     },
+    /// The file says something that cannot be.
+    #[error("{}, {source}", path.display())]
+    Ply {
+        /// The file.
+        path: PathBuf,
+        /// What.
+        source: PlyError,
+    },
     /// The owner cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -95,25 +110,88 @@ pub enum LoadError {
 ///
 /// # Errors
 /// The file cannot be read, is of no known format, or says something that cannot be.
-pub fn load(path: &Path, _options: &LoadOptions, job: &Job) -> Result<Loaded, LoadError> {
+pub fn load(path: &Path, options: &LoadOptions, job: &Job) -> Result<Loaded, LoadError> {
+    let span = tracing::info_span!("load", path = %path.display());
+    let _entered = span.enter();
     job.check()?;
+    let file = map_file(path)?;
+    if !file.starts_with(b"ply") {
+        let start = &file[..file.len().min(16)];
+        let found = if start.is_empty() {
+            "nothing (the file is empty)".to_owned()
+        } else {
+            format!("'{}'", start.escape_ascii())
+        };
+        return Err(LoadError::UnknownFormat {
+            path: path.to_path_buf(),
+            found,
+        });
+    }
+    let PlyContents {
+        origin,
+        geometry,
+        warnings,
+    } = ply::read(&file, options, job).map_err(|stop| match stop {
+        Stop::Ply(source) => LoadError::Ply {
+            path: path.to_path_buf(),
+            source: *source,
+        },
+        Stop::Cancelled => LoadError::Cancelled(Cancelled),
+    })?;
+    let name = path.file_stem().map_or_else(
+        || path.display().to_string(),
+        |stem| stem.to_string_lossy().into_owned(),
+    );
+    let mut object = Object::new(name, origin, geometry);
+    object.source = Some(path.to_path_buf());
+    tracing::debug!(
+        surfels = object.geometry.surfel_count,
+        triangles = object.geometry.triangle_count(),
+        warnings = warnings.iter().count(),
+        "loaded"
+    );
+    Ok(Loaded { object, warnings })
+}
+
+/// The bytes of a regular file; empty for an empty one.
+fn map_file(path: &Path) -> Result<Contents, LoadError> {
     let io_error = |source| LoadError::Io {
         path: path.to_path_buf(),
         source,
     };
-    let mut start = Vec::new();
-    File::open(path)
-        .map_err(io_error)?
-        .take(16)
-        .read_to_end(&mut start)
-        .map_err(io_error)?;
-    let found = if start.is_empty() {
-        "nothing (the file is empty)".to_owned()
-    } else {
-        format!("'{}'", start.escape_ascii())
-    };
-    Err(LoadError::UnknownFormat {
-        path: path.to_path_buf(),
-        found,
-    })
+    let file = File::open(path).map_err(io_error)?;
+    let metadata = file.metadata().map_err(io_error)?;
+    if !metadata.is_file() {
+        // A pipe has no size to check counts against, and may never end.
+        let kind = if metadata.is_dir() {
+            "it is a folder"
+        } else {
+            "it is not a regular file"
+        };
+        return Err(io_error(std::io::Error::other(kind)));
+    }
+    if metadata.len() == 0 {
+        return Ok(Contents(None));
+    }
+    #[allow(
+        unsafe_code,
+        reason = "a memory map has no safe form; it saves a copy of the file"
+    )]
+    // SAFETY: the map is private to this load, never handed out, and read as plain bytes, of which any value is valid. The
+    // readers take each size from the slice's length, which the map fixed. Should another program change the file
+    // meanwhile, its bytes may change under us, which the readers survive because they check what they index with where
+    // they use it; should it shorten the file, the system ends us with SIGBUS, as with every program that maps files.
+    let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
+    Ok(Contents(Some(map)))
+}
+
+/// A mapped file; `None` stands for an empty one, which cannot be mapped.
+struct Contents(Option<memmap2::Mmap>);
+
+impl std::ops::Deref for Contents {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        self.0.as_deref().unwrap_or_default()
+    }
 }

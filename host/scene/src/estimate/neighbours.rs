@@ -1,0 +1,394 @@
+//! Normals and radii of points from their nearest neighbours.
+//!
+//! The normal is that of the plane fitted to the point and its neighbours: the eigenvector of the smallest eigenvalue of
+//! their covariance (Hoppe et al., *Surface Reconstruction from Unorganized Points*, SIGGRAPH 1992, section 3.2). Its sign
+//! is arbitrary; here it has a fixed one so that runs agree.
+//!
+//! The radius is `d₈ · √(π / 9)`, with d₈ the distance of the 8th neighbour: a disk of radius d₈ holds 9 points, so each has
+//! the area `π d₈² / 9`, and the radius is the side of a square of that area. On a square grid of step h it is 0.84 h; disks
+//! of 0.71 h already cover the grid.
+
+use std::num::NonZero;
+use std::sync::Arc;
+
+use glam::DVec3;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, NO_NORMAL, encode_normal};
+use rayon::prelude::*;
+
+use crate::geometry::{Geometry, Provenance};
+use crate::job::{Cancelled, Job};
+use crate::warnings::{WarningKind, Warnings};
+
+/// Points asked for: the point itself and 16 neighbours, for the plane.
+const ASKED: NonZero<usize> = NonZero::new(17).expect("17 is not 0");
+
+/// The neighbour whose distance gives the radius.
+const RADIUS_NEIGHBOUR: usize = 8;
+
+/// √(π / 9).
+const RADIUS_PER_DISTANCE: f32 = 0.590_818;
+
+/// Lone points would get disks as wide as their distance from everything: no radius exceeds this many times the median.
+const MOST_MEDIANS: f32 = 10.0;
+
+/// Points between two looks at the cancel flag.
+const POINTS_A_PIECE: usize = 1 << 12;
+
+/// What is known of one surfel: its number over all blocks, packed normal, and radius (0 if all neighbours are in one place).
+struct Estimate {
+    surfel: usize,
+    normal: u32,
+    radius: f32,
+}
+
+/// Fills in normals and radii that are missing.
+pub(super) fn complete(
+    geometry: &mut Geometry,
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<(), Cancelled> {
+    let points: Vec<[f32; 3]> = geometry
+        .blocks
+        .iter()
+        .flat_map(|block| block.position_radius.iter())
+        .map(|&[x, y, z, _]| [x, y, z])
+        .collect();
+    let wanted = surfels_without(geometry);
+    job.check()?;
+    // Fails on too many items for its index type alone, and these were counted as u32 already.
+    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(&points) else {
+        return Ok(());
+    };
+    let pieces: Vec<Vec<Estimate>> = wanted
+        .par_chunks(POINTS_A_PIECE)
+        .enumerate()
+        .map(|(piece, surfels)| {
+            job.check()?;
+            if piece % 16 == 0 {
+                job.set_progress_within(&(0.5..1.0), piece * POINTS_A_PIECE, wanted.len());
+            }
+            Ok(surfels
+                .iter()
+                .map(|&surfel| estimate(&tree, &points, surfel))
+                .collect())
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let mut estimates: Vec<Estimate> = pieces.into_iter().flatten().collect();
+    bound_radii(&mut estimates, geometry, warnings);
+    write(geometry, &estimates, warnings);
+    Ok(())
+}
+
+/// Numbers of the surfels that lack a normal or a radius.
+fn surfels_without(geometry: &Geometry) -> Vec<usize> {
+    let all = geometry.origins.normals == Provenance::Missing;
+    let blocks = geometry.blocks.iter().enumerate();
+    blocks
+        .flat_map(|(block_index, block)| {
+            let lacks = move |inside: &usize| {
+                let no_normal = block
+                    .normal
+                    .as_ref()
+                    .is_some_and(|normals| normals[*inside] == NO_NORMAL);
+                all || no_normal || block.position_radius[*inside][3] <= 0.0
+            };
+            (0..block.len())
+                .filter(lacks)
+                .map(move |inside| block_index * MAX_BLOCK_SURFELS + inside)
+        })
+        .collect()
+}
+
+fn estimate(tree: &ImmutableKdTree<f32, 3>, points: &[[f32; 3]], surfel: usize) -> Estimate {
+    let near = tree
+        .query(&points[surfel])
+        .nearest_n::<SquaredEuclidean<f32>>(ASKED)
+        .execute();
+    let chosen = near
+        .get(RADIUS_NEIGHBOUR)
+        .or(near.last())
+        .map_or(0.0, |found| found.distance);
+    // Where many points coincide, the farthest found may still be apart.
+    let squared = if chosen > 0.0 {
+        chosen
+    } else {
+        near.last().map_or(0.0, |found| found.distance)
+    };
+    let around = near
+        .iter()
+        .filter_map(|found| points.get(found.item as usize));
+    let normal = plane_normal(around.map(|&[x, y, z]| DVec3::new(x.into(), y.into(), z.into())));
+    Estimate {
+        surfel,
+        normal: encode_normal(normal.as_vec3()),
+        radius: squared.sqrt() * RADIUS_PER_DISTANCE,
+    }
+}
+
+/// Unit normal of the plane through `points`; +z if they fit any plane.
+fn plane_normal(points: impl Iterator<Item = DVec3> + Clone) -> DVec3 {
+    let count = points.clone().count().max(1) as f64;
+    let mean = points.clone().sum::<DVec3>() / count;
+    // Of the symmetric covariance: xx, yy, zz and xy, xz, yz.
+    let (mut square, mut mixed) = (DVec3::ZERO, DVec3::ZERO);
+    for point in points {
+        let d = point - mean;
+        square += d * d;
+        mixed += DVec3::new(d.x * d.y, d.x * d.z, d.y * d.z);
+    }
+    smallest_eigenvector(square, mixed)
+}
+
+/// Unit eigenvector of the smallest eigenvalue of the symmetric matrix with diagonal `d` and off-diagonals `o` (xy, xz, yz).
+///
+/// Eigenvalues by the trigonometric formula (Smith, *Eigenvalues of a symmetric 3 × 3 matrix*, CACM 1961); the vector is
+/// the largest cross product of two rows of the matrix less the eigenvalue.
+fn smallest_eigenvector(d: DVec3, o: DVec3) -> DVec3 {
+    let scale = d.max_element();
+    if !(scale > 0.0 && scale.is_finite()) {
+        return DVec3::Z;
+    }
+    let (d, o) = (d / scale, o / scale);
+    let mean = d.element_sum() / 3.0;
+    let spread = ((d - mean).length_squared() + 2.0 * o.length_squared()) / 6.0;
+    let p = spread.sqrt();
+    if p < 1e-12 {
+        return DVec3::Z;
+    }
+    let e = (d - mean) / p;
+    let f = o / p;
+    let half_determinant = 0.5
+        * (e.x * (e.y * e.z - f.z * f.z) - f.x * (f.x * e.z - f.z * f.y)
+            + f.y * (f.x * f.z - e.y * f.y));
+    let angle = half_determinant.clamp(-1.0, 1.0).acos() / 3.0;
+    let smallest = mean + 2.0 * p * (angle + std::f64::consts::TAU / 3.0).cos();
+    let rows = [
+        DVec3::new(d.x - smallest, o.x, o.y),
+        DVec3::new(o.x, d.y - smallest, o.z),
+        DVec3::new(o.y, o.z, d.z - smallest),
+    ];
+    let crosses = [
+        rows[0].cross(rows[1]),
+        rows[0].cross(rows[2]),
+        rows[1].cross(rows[2]),
+    ];
+    let largest = crosses
+        .into_iter()
+        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+        .unwrap_or(DVec3::Z);
+    // Points on one line: any direction across it.
+    let vector = largest
+        .try_normalize()
+        .filter(|_| largest.length() > 1e-14)
+        .unwrap_or_else(|| {
+            let along = rows
+                .into_iter()
+                .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+                .unwrap_or(DVec3::X);
+            along
+                .try_normalize()
+                .map_or(DVec3::Z, |along| along.any_orthonormal_vector())
+        });
+    // The largest component is positive.
+    let sign = if vector
+        .to_array()
+        .into_iter()
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        .unwrap_or(1.0)
+        < 0.0
+    {
+        -1.0
+    } else {
+        1.0
+    };
+    vector * sign
+}
+
+/// Gives radii to points whose neighbours all coincide with them, and bounds those of lone points.
+fn bound_radii(estimates: &mut [Estimate], geometry: &Geometry, warnings: &mut Warnings) {
+    let known = geometry
+        .blocks
+        .iter()
+        .flat_map(|block| block.position_radius.iter())
+        .map(|surfel| surfel[3]);
+    let mut radii: Vec<f32> = estimates
+        .iter()
+        .map(|estimate| estimate.radius)
+        .chain(known)
+        .filter(|radius| *radius > 0.0)
+        .collect();
+    let median = if radii.is_empty() {
+        warnings.add(WarningKind::AllAtOnePlace, geometry.surfel_count as u64);
+        1.0
+    } else {
+        let middle = radii.len() / 2;
+        *radii.select_nth_unstable_by(middle, f32::total_cmp).1
+    };
+    for estimate in estimates {
+        estimate.radius = if estimate.radius > 0.0 {
+            estimate.radius.min(MOST_MEDIANS * median)
+        } else {
+            median
+        };
+    }
+}
+
+fn write(geometry: &mut Geometry, estimates: &[Estimate], warnings: &mut Warnings) {
+    let is_mesh = geometry.triangles.is_some();
+    let Geometry {
+        blocks, origins, ..
+    } = geometry;
+    let (mut normal_count, mut radius_count) = (0, 0);
+    let mut rest = estimates;
+    for (block_index, block) in blocks.iter_mut().enumerate() {
+        let end = (block_index + 1) * MAX_BLOCK_SURFELS;
+        let (mine, others) = rest.split_at(rest.partition_point(|estimate| estimate.surfel < end));
+        rest = others;
+        let count = block.len();
+        let normals = block
+            .normal
+            .get_or_insert_with(|| std::iter::repeat_n(NO_NORMAL, count).collect());
+        let normals = Arc::make_mut(normals);
+        let surfels = Arc::make_mut(&mut block.position_radius);
+        for Estimate {
+            surfel,
+            normal,
+            radius,
+        } in mine
+        {
+            let inside = surfel % MAX_BLOCK_SURFELS;
+            if normals[inside] == NO_NORMAL {
+                normals[inside] = *normal;
+                normal_count += 1;
+            }
+            if surfels[inside][3] <= 0.0 {
+                surfels[inside][3] = *radius;
+                radius_count += 1;
+            }
+        }
+    }
+    if is_mesh {
+        warnings.add(WarningKind::IsolatedVertices, estimates.len() as u64);
+    }
+    for (provenance, kind, count) in [
+        (
+            &mut origins.normals,
+            WarningKind::NormalsEstimated,
+            normal_count,
+        ),
+        (
+            &mut origins.radii,
+            WarningKind::RadiiEstimated,
+            radius_count,
+        ),
+    ] {
+        if *provenance == Provenance::Missing {
+            *provenance = Provenance::Estimated;
+            warnings.add(kind, count);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Block, Origins};
+    use glam::DQuat;
+    use proptest::prelude::*;
+
+    fn points(centres: impl IntoIterator<Item = [f32; 3]>) -> Geometry {
+        let position_radius = centres
+            .into_iter()
+            .map(|[x, y, z]| [x, y, z, 0.0])
+            .collect();
+        Geometry::new(
+            vec![Block {
+                position_radius,
+                ..Block::default()
+            }],
+            None,
+            Origins::default(),
+        )
+    }
+
+    fn completed(mut geometry: Geometry) -> (Geometry, Warnings) {
+        let mut warnings = Warnings::new();
+        complete(&mut geometry, &Job::new(), &mut warnings).unwrap();
+        (geometry, warnings)
+    }
+
+    #[test]
+    fn disks_of_a_regular_grid_cover_it() {
+        let step = 0.01_f32;
+        let grid = (0..900_u16).map(|index| {
+            [
+                f32::from(index % 30) * step,
+                f32::from(index / 30) * step,
+                0.0,
+            ]
+        });
+        let (geometry, warnings) = completed(points(grid));
+        for (surfel, [.., radius]) in geometry.blocks[0].position_radius.iter().enumerate() {
+            assert!(*radius > 0.7072 * step, "surfel {surfel}: {radius}");
+            assert!(*radius < 3.0 * step, "surfel {surfel}: {radius}");
+            let normal = geometry.blocks[0].normal_at(surfel).unwrap();
+            assert!(normal.z.abs() > 0.9999, "surfel {surfel}: {normal}");
+        }
+        assert_eq!(geometry.origins.normals, Provenance::Estimated);
+        assert_eq!(warnings.count(&WarningKind::NormalsEstimated), 900);
+    }
+
+    #[test]
+    fn points_at_one_place_get_some_disk() {
+        let (geometry, warnings) = completed(points(std::iter::repeat_n([3.0, 4.0, 5.0], 40)));
+        assert!(
+            geometry.blocks[0]
+                .position_radius
+                .iter()
+                .all(|surfel| surfel[3] == 1.0)
+        );
+        assert_eq!(warnings.count(&WarningKind::AllAtOnePlace), 40);
+    }
+
+    #[test]
+    fn one_point_and_two_points_are_enough() {
+        for count in 1..4_u8 {
+            let (geometry, _) =
+                completed(points((0..count).map(|index| [f32::from(index), 0.0, 0.0])));
+            assert!(
+                geometry.blocks[0]
+                    .position_radius
+                    .iter()
+                    .all(|surfel| surfel[3] > 0.0),
+                "{count} points"
+            );
+        }
+    }
+
+    #[test]
+    fn a_lone_point_does_not_cover_the_scene() {
+        let grid = (0..400_u16).map(|index| [f32::from(index % 20), f32::from(index / 20), 0.0]);
+        let (geometry, _) = completed(points(grid.chain([[1e4, 0.0, 0.0]])));
+        let lone = geometry.blocks[0].position_radius[400][3];
+        assert!(lone < 20.0, "radius {lone}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_normal_is_across_a_turned_slab(angle in 0.0..3.0f64, tilt in 0.0..3.0f64, thin in 0.0..0.05f64) {
+            let turn = DQuat::from_rotation_x(angle) * DQuat::from_rotation_y(tilt);
+            let slab = (0..27).map(|index| {
+                let part = |divisor: i32| f64::from(index / divisor % 3) - 1.0;
+                turn * DVec3::new(part(1) * 2.0, part(3), part(9) * thin)
+            });
+            let cosine = plane_normal(slab).dot(turn * DVec3::Z).abs();
+            prop_assert!(cosine > 0.9999, "cosine {cosine}");
+        }
+
+        #[test]
+        fn any_matrix_gives_a_unit_vector(d in proptest::array::uniform3(0.0..1e9f64), o in proptest::array::uniform3(-1e9..1e9f64)) {
+            prop_assert!(smallest_eigenvector(d.into(), o.into()).is_normalized());
+        }
+    }
+}

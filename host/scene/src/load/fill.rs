@@ -1,0 +1,100 @@
+//! Columns filled in parallel, block by block.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use bytemuck::Zeroable;
+use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
+use rayon::prelude::*;
+
+use crate::job::{Cancelled, Job};
+
+/// Surfels filled at once: small enough for 8 columns of f64 in the first-level cache, and a divisor of a block.
+pub(super) const PIECE_SURFELS: usize = 512;
+
+/// Surfels between two looks at the cancel flag, and done by one thread at a time.
+const TASK_SURFELS: usize = 32 * PIECE_SURFELS;
+
+/// A column of `count` surfels with `width` values of `T` each, cut into blocks.
+///
+/// `convert` gets surfels (at most [`PIECE_SURFELS`]) and their slots, and returns what `merge` joins; `merge` must not mind
+/// the order, so that the result does not depend on the number of threads.
+pub(super) fn fill_blocks<T, S>(
+    count: usize,
+    width: usize,
+    job: &Job,
+    convert: impl Fn(Range<usize>, &mut [T]) -> S + Sync,
+    merge: impl Fn(S, S) -> S + Sync,
+) -> Result<(Vec<Arc<[T]>>, S), Cancelled>
+where
+    T: Zeroable + Send + Sync,
+    S: Default + Send,
+{
+    let mut blocks = Vec::new();
+    let mut summary = S::default();
+    for block_start in (0..count).step_by(MAX_BLOCK_SURFELS) {
+        let block_length = MAX_BLOCK_SURFELS.min(count - block_start);
+        let mut block: Arc<[T]> = zeroed_slice(block_length * width);
+        let slots = Arc::get_mut(&mut block).expect("just made, nobody else has it");
+        let tasks =
+            slots
+                .par_chunks_mut(TASK_SURFELS * width)
+                .enumerate()
+                .map(|(task, slots)| {
+                    job.check()?;
+                    let task_start = block_start + task * TASK_SURFELS;
+                    let pieces = slots.chunks_mut(PIECE_SURFELS * width).enumerate().map(
+                        |(piece, slots)| {
+                            let start = task_start + piece * PIECE_SURFELS;
+                            convert(start..start + slots.len() / width, slots)
+                        },
+                    );
+                    Ok(pieces.fold(S::default(), &merge))
+                });
+        let of_block = tasks.try_reduce(S::default, |a, b| Ok(merge(a, b)))?;
+        summary = merge(summary, of_block);
+        blocks.push(block);
+    }
+    Ok((blocks, summary))
+}
+
+/// A slice of zeros that nobody else has yet.
+pub(crate) fn zeroed_slice<T: Zeroable>(length: usize) -> Arc<[T]> {
+    // The length of this iterator is trusted, so the slice is written in place.
+    (0..length).map(|_| T::zeroed()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_surfel_is_filled_once() {
+        let count = 3 * TASK_SURFELS + PIECE_SURFELS + 7;
+        let write = |range: Range<usize>, slots: &mut [u32]| {
+            for (surfel, pair) in range.clone().zip(slots.chunks_exact_mut(2)) {
+                pair.copy_from_slice(&[surfel as u32, 1]);
+            }
+            range.len()
+        };
+        let (blocks, filled) = fill_blocks(count, 2, &Job::new(), write, |a, b| a + b).unwrap();
+        assert_eq!(
+            (blocks.len(), blocks[0].len(), filled),
+            (1, 2 * count, count)
+        );
+        assert!(
+            blocks[0]
+                .chunks_exact(2)
+                .enumerate()
+                .all(|(surfel, pair)| pair == [surfel as u32, 1])
+        );
+    }
+
+    #[test]
+    fn a_cancelled_job_fills_nothing() {
+        let job = Job::new();
+        job.cancel();
+        let result = fill_blocks(10, 1, &job, |_, _: &mut [u8]| (), |(), ()| ());
+        assert_eq!(result.map(|_| ()), Err(Cancelled));
+    }
+}

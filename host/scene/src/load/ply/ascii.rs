@@ -1,0 +1,508 @@
+//! Text bodies, one line a row.
+//!
+//! The text is cut at line ends into pieces, whose lines are counted in parallel; then it is known which element each
+//! line belongs to, and the pieces are read in parallel. Blank lines do not count.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::binary::columns_of;
+use super::body::{Body, CornerLists, Corners, Stop, Triangles, corner_from};
+use super::error::{Place, PlyError, excerpt};
+use super::header::{Element, PlyHeader, PropertyKind};
+use super::number::{parse_f64, parse_i64};
+use super::plan::{ElementUse, FaceKind, FaceLists};
+use super::table::{ByteOrder, Table, write_native};
+use crate::geometry::ScalarType;
+use crate::job::Job;
+use crate::load::fill::zeroed_slice;
+use crate::warnings::{WarningKind, Warnings};
+
+/// Text read between two looks at the cancel flag, and by one thread at a time, bytes.
+const PIECE_BYTES: usize = 256 << 10;
+
+pub(super) fn read_ascii<'a>(
+    file: &'a [u8],
+    header: &'a PlyHeader,
+    uses: &[ElementUse],
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<Body<'a>, Stop> {
+    let text = Text::index(&file[header.body_start..], header, job)?;
+    let mut body = Body::default();
+    let mut first_line = 0;
+    for (element, element_use) in header.elements.iter().zip(uses) {
+        job.check()?;
+        // A row without properties has no words, and blank lines do not count.
+        let rows = if element.properties.is_empty() {
+            0
+        } else {
+            element.count
+        };
+        text.check_room(element, first_line, rows)?;
+        let reader = RowReader {
+            element,
+            text: &text,
+            first_line,
+            rows,
+        };
+        match element_use {
+            ElementUse::Vertices => body
+                .tables
+                .push((&element.name, reader.table(job, warnings)?)),
+            ElementUse::Faces(lists) => body.faces.push(reader.faces(*lists, job)?),
+            ElementUse::Skipped => warnings.add(
+                WarningKind::ElementSkipped(element.name.clone()),
+                element.count,
+            ),
+        }
+        first_line += rows;
+    }
+    let left = text.lines - first_line;
+    if left > 0 {
+        warnings.add(
+            WarningKind::Other("lines after the last element ignored".into()),
+            left,
+        );
+    }
+    Ok(body)
+}
+
+/// The text of a body, with its lines counted.
+struct Text<'a> {
+    bytes: &'a [u8],
+    line_end: u8,
+    pieces: Vec<Piece>,
+    /// Lines with words.
+    lines: u64,
+    /// Lines of the whole file.
+    file_lines: u64,
+}
+
+/// A run of whole lines.
+struct Piece {
+    start: usize,
+    end: usize,
+    /// Lines with words before this piece, in the body.
+    lines_before: u64,
+    /// Lines with words in it.
+    lines: u64,
+    /// Lines before this piece in the file, blank ones too.
+    file_lines_before: u64,
+}
+
+impl<'a> Text<'a> {
+    fn index(bytes: &'a [u8], header: &PlyHeader, job: &Job) -> Result<Self, Stop> {
+        let line_end = header.line_end;
+        let mut starts = vec![0];
+        while let Some(wanted) = starts
+            .last()
+            .map(|start| start + PIECE_BYTES)
+            .filter(|wanted| *wanted < bytes.len())
+        {
+            let Some(end) = memchr::memchr(line_end, &bytes[wanted..]) else {
+                break;
+            };
+            starts.push(wanted + end + 1);
+        }
+        let ends = starts.iter().skip(1).copied().chain([bytes.len()]);
+        let ranges: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
+        let counts: Vec<(u64, u64)> = ranges
+            .par_iter()
+            .map(|&(start, end)| {
+                job.check()?;
+                let all = lines_of(&bytes[start..end], line_end);
+                Ok(all.fold((0, 0), |(with_words, all), line| {
+                    (with_words + u64::from(has_words(line)), all + 1)
+                }))
+            })
+            .collect::<Result<_, Stop>>()?;
+        let (mut lines_before, mut file_lines_before) = (0, header.line_count);
+        let mut pieces = Vec::with_capacity(ranges.len());
+        for ((start, end), (lines, all_lines)) in ranges.into_iter().zip(counts) {
+            pieces.push(Piece {
+                start,
+                end,
+                lines_before,
+                lines,
+                file_lines_before,
+            });
+            lines_before += lines;
+            file_lines_before += all_lines;
+        }
+        Ok(Self {
+            bytes,
+            line_end,
+            pieces,
+            lines: lines_before,
+            file_lines: file_lines_before,
+        })
+    }
+
+    /// Refuses rows that are not there before anything is allocated for them.
+    fn check_room(&self, element: &Element, first_line: u64, rows: u64) -> Result<(), PlyError> {
+        let left = self.lines - first_line;
+        if rows <= left {
+            return Ok(());
+        }
+        Err(PlyError::MissingRows {
+            place: Place::Line(self.file_lines),
+            element: element.name.clone(),
+            row: left + 1,
+            rows,
+        })
+    }
+}
+
+/// Lines of `text`, without their ends; no line after the last end.
+fn lines_of(text: &[u8], line_end: u8) -> impl Iterator<Item = &[u8]> {
+    let mut start = 0;
+    std::iter::from_fn(move || {
+        let rest = text.get(start..).filter(|rest| !rest.is_empty())?;
+        let length = memchr::memchr(line_end, rest).unwrap_or(rest.len());
+        start += length + 1;
+        Some(&rest[..length])
+    })
+}
+
+fn has_words(line: &[u8]) -> bool {
+    line.iter().any(|byte| *byte > b' ')
+}
+
+/// The words of a line, apart by blanks, tabs or carriage returns.
+struct Words<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Words<'a> {
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let start = self.rest.iter().position(|byte| *byte > b' ')?;
+        let rest = &self.rest[start..];
+        let length = rest
+            .iter()
+            .position(|byte| *byte <= b' ')
+            .unwrap_or(rest.len());
+        let (word, rest) = rest.split_at(length);
+        self.rest = rest;
+        Some(word)
+    }
+}
+
+/// Reads the rows of one element.
+struct RowReader<'t, 'a> {
+    element: &'t Element,
+    text: &'t Text<'a>,
+    first_line: u64,
+    rows: u64,
+}
+
+/// Rows of the element in one piece.
+struct Part<'t> {
+    piece: &'t Piece,
+    /// Lines with words to pass over in the piece.
+    skip: usize,
+    /// Row of the element that comes first.
+    first_row: u64,
+    rows: usize,
+}
+
+impl RowReader<'_, '_> {
+    fn parts(&self) -> Vec<Part<'_>> {
+        let end_line = self.first_line + self.rows;
+        let part = |piece: &'_ Piece| {
+            let start = piece.lines_before.max(self.first_line);
+            let end = (piece.lines_before + piece.lines).min(end_line);
+            (start < end).then(|| (start, end))
+        };
+        let found = self.text.pieces.iter().filter_map(|piece| {
+            let (start, end) = part(piece)?;
+            Some(Part {
+                piece,
+                skip: (start - piece.lines_before) as usize,
+                first_row: start - self.first_line,
+                rows: (end - start) as usize,
+            })
+        });
+        found.collect()
+    }
+
+    /// The scalars of all rows, in native byte order.
+    fn table(&self, job: &Job, warnings: &mut Warnings) -> Result<Table<'static>, Stop> {
+        for property in &self.element.properties {
+            if let PropertyKind::List { .. } = property.kind {
+                warnings.add(
+                    WarningKind::ListPropertySkipped(property.name.clone()),
+                    self.rows,
+                );
+            }
+        }
+        let widened = widened_positions(self.element);
+        let (columns, stride) = columns_of(&widened);
+        let rows = self.rows as usize;
+        let mut bytes = vec![0; rows * stride];
+        let mut rest = bytes.as_mut_slice();
+        let mut parts = Vec::new();
+        for part in self.parts() {
+            let (mine, others) = rest.split_at_mut(part.rows * stride);
+            rest = others;
+            parts.push((part, mine));
+        }
+        first_error(parts.into_par_iter().map(|(part, out)| {
+            job.check()?;
+            let mut rows = out.chunks_exact_mut(stride.max(1));
+            self.each_line(&part, |line, row, place| {
+                let mut words = Words { rest: line };
+                let out = rows.next().unwrap_or_default();
+                let mut offset = 0;
+                for index in 0..widened.properties.len() {
+                    match widened.properties[index].kind {
+                        PropertyKind::Scalar(scalar) => {
+                            let value = self.number(&mut words, index, row, place)?;
+                            write_native(scalar, value, &mut out[offset..]);
+                            offset += scalar.size();
+                        }
+                        PropertyKind::List { .. } => {
+                            for _ in 0..self.list_length(&mut words, index, row, place)? {
+                                self.word(&mut words, index, row, place)?;
+                            }
+                        }
+                    }
+                }
+                Ok(())
+            })
+        }))?;
+        Ok(Table {
+            bytes: Cow::Owned(bytes),
+            stride: stride.max(1),
+            rows,
+            order: ByteOrder::NATIVE,
+            columns,
+        })
+    }
+
+    /// The corners of all rows.
+    fn faces(&self, lists: FaceLists, job: &Job) -> Result<Corners, Stop> {
+        let parts = self.parts();
+        let read: Vec<Result<CornerRows, Stop>> = parts
+            .par_iter()
+            .map(|part| {
+                job.check()?;
+                self.corner_rows(part, lists)
+            })
+            .collect();
+        let read = read.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let only_triangles =
+            lists.kind == FaceKind::Polygons && read.iter().all(|rows| rows.lengths.is_none());
+        Ok(if only_triangles {
+            Corners::Triangles(join_triangles(&read))
+        } else {
+            Corners::Lists(join_lists(read, lists.kind))
+        })
+    }
+
+    fn corner_rows(&self, part: &Part<'_>, lists: FaceLists) -> Result<CornerRows, Stop> {
+        let mut found = CornerRows {
+            corners: Vec::with_capacity(part.rows * 3),
+            lengths: None,
+            rows: 0,
+            with_holes: 0,
+        };
+        self.each_line(part, |line, row, place| {
+            let mut words = Words { rest: line };
+            for index in 0..self.element.properties.len() {
+                let PropertyKind::List { .. } = self.element.properties[index].kind else {
+                    self.word(&mut words, index, row, place)?;
+                    continue;
+                };
+                let length = self.list_length(&mut words, index, row, place)?;
+                if index == lists.corners {
+                    for _ in 0..length {
+                        let word = self.word(&mut words, index, row, place)?;
+                        let number = parse_i64(word)
+                            .ok_or_else(|| self.not_a_number(word, index, row, place))?;
+                        found.corners.push(corner_from(number));
+                    }
+                    found.end_row(length);
+                } else {
+                    for _ in 0..length {
+                        self.word(&mut words, index, row, place)?;
+                    }
+                    found.with_holes += u64::from(Some(index) == lists.holes && length > 0);
+                }
+            }
+            Ok(())
+        })?;
+        Ok(found)
+    }
+
+    /// Calls `read` with each line of a part, its row and its place, until one fails.
+    fn each_line(
+        &self,
+        part: &Part<'_>,
+        mut read: impl FnMut(&[u8], u64, Place) -> Result<(), PlyError>,
+    ) -> Result<(), Stop> {
+        let Part {
+            piece,
+            skip,
+            first_row,
+            rows,
+        } = part;
+        let text = &self.text.bytes[piece.start..piece.end];
+        let numbered = lines_of(text, self.text.line_end).zip(piece.file_lines_before + 1..);
+        let with_words = numbered
+            .filter(|(line, _)| has_words(line))
+            .skip(*skip)
+            .take(*rows);
+        for ((line, number), row) in with_words.zip(*first_row + 1..) {
+            read(line, row, Place::Line(number))?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn word<'w>(
+        &self,
+        words: &mut Words<'w>,
+        index: usize,
+        row: u64,
+        place: Place,
+    ) -> Result<&'w [u8], PlyError> {
+        words.next().ok_or_else(|| PlyError::ShortLine {
+            place,
+            element: self.element.name.clone(),
+            row,
+            property: self.element.properties[index].name.clone(),
+        })
+    }
+
+    #[inline]
+    fn number(
+        &self,
+        words: &mut Words<'_>,
+        index: usize,
+        row: u64,
+        place: Place,
+    ) -> Result<f64, PlyError> {
+        let word = self.word(words, index, row, place)?;
+        parse_f64(word).ok_or_else(|| self.not_a_number(word, index, row, place))
+    }
+
+    #[inline]
+    fn list_length(
+        &self,
+        words: &mut Words<'_>,
+        index: usize,
+        row: u64,
+        place: Place,
+    ) -> Result<u32, PlyError> {
+        let word = self.word(words, index, row, place)?;
+        let found = parse_i64(word).ok_or_else(|| self.not_a_number(word, index, row, place))?;
+        // Each item takes a word, and a word a byte and a blank.
+        let most = words.rest.len() as i64 / 2 + 1;
+        u32::try_from(found)
+            .ok()
+            .filter(|length| i64::from(*length) <= most)
+            .ok_or_else(|| PlyError::ListLength {
+                place,
+                element: self.element.name.clone(),
+                row,
+                property: self.element.properties[index].name.clone(),
+                found,
+            })
+    }
+
+    #[cold]
+    fn not_a_number(&self, word: &[u8], index: usize, row: u64, place: Place) -> PlyError {
+        PlyError::Number {
+            place,
+            element: self.element.name.clone(),
+            row,
+            property: self.element.properties[index].name.clone(),
+            found: excerpt(word),
+        }
+    }
+}
+
+/// The element with x, y and z as doubles: text may hold more digits than the type it declares.
+fn widened_positions(element: &Element) -> Element {
+    let mut widened = element.clone();
+    for property in &mut widened.properties {
+        let is_position = ["x", "y", "z"]
+            .iter()
+            .any(|name| property.name.eq_ignore_ascii_case(name));
+        if is_position && property.kind == PropertyKind::Scalar(ScalarType::F32) {
+            property.kind = PropertyKind::Scalar(ScalarType::F64);
+        }
+    }
+    widened
+}
+
+/// The error of the earliest part that has one, whichever thread came first.
+fn first_error(results: impl IndexedParallelIterator<Item = Result<(), Stop>>) -> Result<(), Stop> {
+    let all: Vec<Result<(), Stop>> = results.collect();
+    all.into_iter().collect()
+}
+
+/// Corners of some rows.
+struct CornerRows {
+    corners: Vec<u32>,
+    /// Length of each row; `None` while all have three.
+    lengths: Option<Vec<u32>>,
+    rows: usize,
+    with_holes: u64,
+}
+
+impl CornerRows {
+    #[inline]
+    fn end_row(&mut self, length: u32) {
+        if length != 3 && self.lengths.is_none() {
+            self.lengths = Some(vec![3; self.rows]);
+        }
+        if let Some(lengths) = &mut self.lengths {
+            lengths.push(length);
+        }
+        self.rows += 1;
+    }
+}
+
+fn join_triangles(parts: &[CornerRows]) -> Triangles {
+    let rows = parts.iter().map(|part| part.rows).sum();
+    let mut corners: Arc<[[u32; 3]]> = zeroed_slice(rows);
+    let mut rest = Arc::get_mut(&mut corners).expect("just made, nobody else has it");
+    let (mut max_corner, mut degenerate_count) = (0, 0);
+    for part in parts {
+        let (triangles, _) = part.corners.as_chunks::<3>();
+        let (mine, others) = rest.split_at_mut(triangles.len());
+        mine.copy_from_slice(triangles);
+        rest = others;
+        for [a, b, c] in triangles {
+            max_corner = max_corner.max(*a).max(*b).max(*c);
+            degenerate_count += u64::from(a == b || b == c || a == c);
+        }
+    }
+    Triangles {
+        corners,
+        max_corner,
+        degenerate_count,
+    }
+}
+
+fn join_lists(parts: Vec<CornerRows>, kind: FaceKind) -> CornerLists {
+    let mut joined = CornerLists {
+        kind,
+        lengths: Vec::new(),
+        corners: Vec::new(),
+        with_holes: 0,
+    };
+    for part in parts {
+        joined
+            .lengths
+            .extend(part.lengths.unwrap_or_else(|| vec![3; part.rows]));
+        joined.corners.extend(part.corners);
+        joined.with_holes += part.with_holes;
+    }
+    joined
+}

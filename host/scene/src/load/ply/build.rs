@@ -1,0 +1,489 @@
+//! Tables of vertices into surfel columns.
+//!
+//! Positions come first: one pass places all vertices, measures their box and counts those that are not finite. If some
+//! are not, or if the box is far from the origin, a second pass places the good ones around an origin of their own.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use pointstage_plugin_api::columns::{NO_NORMAL, TangentAxes, encode_normal};
+
+use super::body::Stop;
+use super::error::PlyError;
+use super::roles::{NamedRole, Roles};
+use super::table::{Field, RowSelection};
+use crate::bounds::Bounds;
+use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
+use crate::job::{Cancelled, Job};
+use crate::load::Winding;
+use crate::load::fill::{PIECE_SURFELS, fill_blocks};
+use crate::warnings::{WarningKind, Warnings};
+
+/// Largest coordinate taken for one: squares of larger ones leave the range of f32.
+const MAX_COORDINATE: f64 = 1e18;
+
+/// Positions get an origin of their own when they are farther from 0 than this many times their box is large: f32 then
+/// keeps less than a millionth of the box, 16 · 2⁻²⁴.
+const FAR_FROM_ORIGIN: f64 = 16.0;
+
+/// The columns of a file.
+#[derive(Debug)]
+pub(super) struct Built {
+    pub(super) blocks: Vec<Block>,
+    pub(super) origin: DVec3,
+    /// Relative to `origin`.
+    pub(super) bounds: Bounds,
+    /// New index of each row, `u32::MAX` for dropped ones; `None` when all were kept.
+    pub(super) new_index: Option<Vec<u32>>,
+    pub(super) origins: Origins,
+}
+
+/// What placing the vertices found.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    bounds: Bounds,
+    not_finite: usize,
+    without_radius: usize,
+}
+
+impl Default for Placed {
+    fn default() -> Self {
+        Self {
+            bounds: Bounds::EMPTY,
+            not_finite: 0,
+            without_radius: 0,
+        }
+    }
+}
+
+impl Placed {
+    fn merge(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            not_finite: self.not_finite + other.not_finite,
+            without_radius: self.without_radius + other.without_radius,
+        }
+    }
+}
+
+/// Builds the columns of `row_count` vertices.
+pub(super) fn build(
+    roles: &Roles<'_>,
+    row_count: usize,
+    winding: Winding,
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<Built, Stop> {
+    let mut rows = RowSelection::All(row_count);
+    let (mut positions, mut placed) = place(roles, &rows, DVec3::ZERO, job)?;
+    let origin = origin_for(&placed.bounds);
+    let new_index = (placed.not_finite > 0).then(|| new_indices(roles, row_count));
+    if let Some(new_index) = &new_index {
+        warnings.add(
+            WarningKind::NonFinitePositionsDropped,
+            placed.not_finite as u64,
+        );
+        let kept = (0..row_count as u32)
+            .zip(new_index)
+            .filter(|(_, index)| **index != u32::MAX)
+            .map(|(row, _)| row);
+        rows = RowSelection::Kept(kept.collect());
+        if rows.len() == 0 {
+            return Err(PlyError::NothingFinite {
+                count: row_count as u64,
+            }
+            .into());
+        }
+    }
+    if new_index.is_some() || origin != DVec3::ZERO {
+        (positions, placed) = place(roles, &rows, origin, job)?;
+    }
+    if roles.z.is_none() {
+        warnings.add(WarningKind::NoZ, 1);
+    }
+    let mut origins = Origins::default();
+    if roles.radius.is_some() && placed.without_radius < rows.len() {
+        origins.radii = Provenance::FromFile;
+    }
+    warn_of_radii(roles, &placed, warnings);
+    let mut blocks: Vec<Block> = positions
+        .into_iter()
+        .map(|position_radius| Block {
+            position_radius,
+            ..Block::default()
+        })
+        .collect();
+    add_axes(
+        roles,
+        &rows,
+        winding,
+        &mut blocks,
+        &mut origins,
+        job,
+        warnings,
+    )?;
+    add_normals(
+        roles,
+        &rows,
+        winding,
+        &mut blocks,
+        &mut origins,
+        job,
+        warnings,
+    )?;
+    add_colours(roles, &rows, &mut blocks, &mut origins, job)?;
+    add_named(&roles.named, &rows, &mut blocks, job)?;
+    let local = |corner: DVec3| (corner - origin).as_vec3().as_dvec3();
+    let bounds = Bounds::new(local(placed.bounds.min), local(placed.bounds.max));
+    Ok(Built {
+        blocks,
+        origin,
+        bounds,
+        new_index,
+        origins,
+    })
+}
+
+fn warn_of_radii(roles: &Roles<'_>, placed: &Placed, warnings: &mut Warnings) {
+    if roles.radius.is_some() {
+        warnings.add(
+            WarningKind::UnusableRadiiReplaced,
+            placed.without_radius as u64,
+        );
+    }
+}
+
+/// The origin for a box: 0, or a round number near its centre when it is far from 0 for its size.
+///
+/// The number is a multiple of a power of two close to the box's size, so that subtracting it from an f32 is exact.
+fn origin_for(bounds: &Bounds) -> DVec3 {
+    if bounds.is_empty() {
+        return DVec3::ZERO;
+    }
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let size = bounds.size().max_element();
+    if farthest <= FAR_FROM_ORIGIN * size || farthest == 0.0 {
+        return DVec3::ZERO;
+    }
+    if size == 0.0 {
+        return bounds.centre();
+    }
+    let step = size.log2().floor().exp2();
+    (bounds.centre() / step).round() * step
+}
+
+/// Values of `N` fields for some surfels, as f64.
+struct Piece<const N: usize> {
+    values: [[f64; PIECE_SURFELS]; N],
+}
+
+impl<const N: usize> Piece<N> {
+    fn read(fields: &[Option<Field<'_>>; N], rows: &RowSelection, range: &Range<usize>) -> Self {
+        let mut values = [[0.0; PIECE_SURFELS]; N];
+        for (field, values) in fields.iter().zip(&mut values) {
+            if let Some(field) = field {
+                field.read(rows, range.clone(), &mut values[..range.len()]);
+            }
+        }
+        Self { values }
+    }
+}
+
+fn usable([x, y, z]: [f64; 3]) -> bool {
+    // Written so that NaN fails.
+    x.abs() <= MAX_COORDINATE && y.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE
+}
+
+type Columns<T> = Vec<Arc<[T]>>;
+
+/// Centres (less `origin`) and radii of the selected rows.
+fn place(
+    roles: &Roles<'_>,
+    rows: &RowSelection,
+    origin: DVec3,
+    job: &Job,
+) -> Result<(Columns<[f32; 4]>, Placed), Cancelled> {
+    let fields = [Some(roles.x), Some(roles.y), roles.z, roles.radius];
+    let convert = |range: Range<usize>, slots: &mut [[f32; 4]]| {
+        let piece = Piece::read(&fields, rows, &range);
+        let [xs, ys, zs, radii] = &piece.values;
+        let mut placed = Placed::default();
+        for (index, slot) in slots.iter_mut().enumerate() {
+            let (x, y, z, radius) = (xs[index], ys[index], zs[index], radii[index]);
+            if !usable([x, y, z]) {
+                placed.not_finite += 1;
+                continue;
+            }
+            let centre = DVec3::new(x, y, z);
+            placed.bounds = placed.bounds.with_point(centre);
+            let local = (centre - origin).as_vec3();
+            let radius = if radius > 0.0 && radius <= MAX_COORDINATE {
+                radius as f32
+            } else {
+                0.0
+            };
+            placed.without_radius += usize::from(radius <= 0.0);
+            *slot = [local.x, local.y, local.z, radius];
+        }
+        placed
+    };
+    fill_blocks(rows.len(), 1, job, convert, Placed::merge)
+}
+
+/// New index of each row: rows that cannot be placed get `u32::MAX`, the others count on.
+fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u32> {
+    let fields = [Some(roles.x), Some(roles.y), roles.z];
+    let rows = RowSelection::All(row_count);
+    let mut next = 0;
+    let mut indices = Vec::with_capacity(row_count);
+    for start in (0..row_count).step_by(PIECE_SURFELS) {
+        let range = start..row_count.min(start + PIECE_SURFELS);
+        let piece = Piece::read(&fields, &rows, &range);
+        let [xs, ys, zs] = &piece.values;
+        indices.extend((0..range.len()).map(|index| {
+            if !usable([xs[index], ys[index], zs[index]]) {
+                return u32::MAX;
+            }
+            next += 1;
+            next - 1
+        }));
+    }
+    indices
+}
+
+/// Axes, with the normals and radii that follow from them. Columns with any useless axes are left out.
+fn add_axes(
+    roles: &Roles<'_>,
+    rows: &RowSelection,
+    winding: Winding,
+
+    blocks: &mut [Block],
+    origins: &mut Origins,
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<(), Cancelled> {
+    let Some(axes) = roles.axes else {
+        return Ok(());
+    };
+    let fields = axes.map(Some);
+    let convert = |range: Range<usize>, slots: &mut [[f32; 8]]| {
+        let piece = Piece::read(&fields, rows, &range);
+        let mut useless = 0;
+        for (index, slot) in slots.iter_mut().enumerate() {
+            let [ux, uy, uz, vx, vy, vz] =
+                std::array::from_fn(|field| piece.values[field][index] as f32);
+            let (u, v) = (Vec3::new(ux, uy, uz), Vec3::new(vx, vy, vz));
+            useless += usize::from(!(u.is_finite() && v.is_finite() && u.cross(v).length() > 0.0));
+            *slot = TangentAxes::new(u, v).0;
+        }
+        useless
+    };
+    let (columns, useless) = fill_blocks(rows.len(), 1, job, convert, |a: usize, b| a + b)?;
+    warnings.add(WarningKind::UnusableAxesIgnored, useless as u64);
+    if useless > 0 {
+        return Ok(());
+    }
+    origins.axes = Provenance::FromFile;
+    for (block, column) in blocks.iter_mut().zip(columns) {
+        if origins.radii == Provenance::Missing {
+            let slots = Arc::make_mut(&mut block.position_radius);
+            for (slot, axes) in slots.iter_mut().zip(column.iter()) {
+                let axes = TangentAxes(*axes);
+                slot[3] = axes.u().length().max(axes.v().length());
+            }
+        }
+        if roles.normal.is_none() {
+            let sign = sign_of(winding) as f32;
+            let normal = |axes: &[f32; 8]| {
+                encode_normal(TangentAxes(*axes).u().cross(TangentAxes(*axes).v()) * sign)
+            };
+            block.normal = Some(column.iter().map(normal).collect());
+            origins.normals = Provenance::FromFile;
+        }
+        block.axes = Some(column);
+    }
+    if origins.radii == Provenance::Missing {
+        origins.radii = Provenance::FromFile;
+    }
+    Ok(())
+}
+
+/// What normals are multiplied by.
+fn sign_of(winding: Winding) -> f64 {
+    match winding {
+        Winding::AsInFile => 1.0,
+        Winding::Flipped => -1.0,
+    }
+}
+
+fn add_normals(
+    roles: &Roles<'_>,
+    rows: &RowSelection,
+    winding: Winding,
+    blocks: &mut [Block],
+    origins: &mut Origins,
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<(), Cancelled> {
+    let Some(normal) = roles.normal else {
+        return Ok(());
+    };
+    let fields = normal.map(Some);
+    let sign = sign_of(winding);
+    let convert = |range: Range<usize>, slots: &mut [u32]| {
+        let piece = Piece::read(&fields, rows, &range);
+        let [xs, ys, zs] = &piece.values;
+        let mut useless = 0;
+        for (index, slot) in slots.iter_mut().enumerate() {
+            let normal = DVec3::new(xs[index], ys[index], zs[index]) * sign;
+            let is_useful = normal.is_finite() && normal != DVec3::ZERO;
+            useless += usize::from(!is_useful);
+            *slot = if is_useful {
+                encode_normal(normal.as_vec3())
+            } else {
+                NO_NORMAL
+            };
+        }
+        useless
+    };
+    let (columns, useless) = fill_blocks(rows.len(), 1, job, convert, |a: usize, b| a + b)?;
+    warnings.add(WarningKind::UnusableNormalsReplaced, useless as u64);
+    if useless < rows.len() {
+        origins.normals = Provenance::FromFile;
+        blocks
+            .iter_mut()
+            .zip(columns)
+            .for_each(|(block, column)| block.normal = Some(column));
+    }
+    Ok(())
+}
+
+fn add_colours(
+    roles: &Roles<'_>,
+    rows: &RowSelection,
+    blocks: &mut [Block],
+    origins: &mut Origins,
+    job: &Job,
+) -> Result<(), Cancelled> {
+    let Some([red, green, blue]) = roles.colour else {
+        return Ok(());
+    };
+    let fields = [Some(red), Some(green), Some(blue), roles.alpha];
+    let scales = colour_scales(&fields, rows, job)?;
+    let convert = |range: Range<usize>, slots: &mut [u32]| {
+        let piece = Piece::read(&fields, rows, &range);
+        for (index, slot) in slots.iter_mut().enumerate() {
+            let byte = |component: usize| match fields[component] {
+                None => 255,
+                // Some writers call a byte `char`; its bits are meant.
+                Some(field) if field.scalar == ScalarType::I8 => {
+                    piece.values[component][index] as i8 as u8
+                }
+                // Saturates, and NaN gives 0.
+                Some(_) => (piece.values[component][index] * scales[component] + 0.5).floor() as u8,
+            };
+            *slot = u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]);
+        }
+    };
+    let (columns, ()) = fill_blocks(rows.len(), 1, job, convert, |(), ()| ())?;
+    origins.colours = Provenance::FromFile;
+    blocks
+        .iter_mut()
+        .zip(columns)
+        .for_each(|(block, column)| block.colour = Some(column));
+    Ok(())
+}
+
+/// What a component is multiplied by to give a byte. Floats go from 0 to 1; if the largest colour is above 1, to 255.
+fn colour_scales(
+    fields: &[Option<Field<'_>>; 4],
+    rows: &RowSelection,
+    job: &Job,
+) -> Result<[f64; 4], Cancelled> {
+    let is_float = |field: &Field<'_>| matches!(field.scalar, ScalarType::F32 | ScalarType::F64);
+    let mut largest = 0.0_f64;
+    for field in fields.iter().flatten().filter(|field| is_float(field)) {
+        let mut values = [0.0; PIECE_SURFELS];
+        for start in (0..rows.len()).step_by(PIECE_SURFELS) {
+            let range = start..rows.len().min(start + PIECE_SURFELS);
+            let values = &mut values[..range.len()];
+            field.read(rows, range, values);
+            largest = values
+                .iter()
+                .fold(largest, |largest, value| largest.max(*value));
+        }
+        job.check()?;
+    }
+    // A little above 1 is a rounding of 1.
+    let float_scale = if largest > 1.5 { 1.0 } else { 255.0 };
+    Ok(fields.map(|field| match field.map(|field| field.scalar) {
+        Some(ScalarType::F32 | ScalarType::F64) => float_scale,
+        Some(ScalarType::U16) => 255.0 / 65535.0,
+        _ => 1.0,
+    }))
+}
+
+fn add_named(
+    named: &[NamedRole<'_>],
+    rows: &RowSelection,
+    blocks: &mut [Block],
+    job: &Job,
+) -> Result<(), Cancelled> {
+    for role in named {
+        let size = role.scalar.size();
+        let width = size * role.fields.len();
+        let convert = |range: Range<usize>, slots: &mut [u8]| {
+            for (surfel, slots) in range.zip(slots.chunks_exact_mut(width)) {
+                let row = match rows {
+                    RowSelection::All(_) => surfel,
+                    RowSelection::Kept(kept) => kept[surfel] as usize,
+                };
+                for (field, slot) in role.fields.iter().zip(slots.chunks_exact_mut(size)) {
+                    field.copy_native(row, slot);
+                }
+            }
+        };
+        let (columns, ()) = fill_blocks(rows.len(), width, job, convert, |(), ()| ())?;
+        let name: Arc<str> = role.name.as_str().into();
+        for (block, bytes) in blocks.iter_mut().zip(columns) {
+            let components = role.fields.len() as u32;
+            block.named.push(NamedColumn {
+                name: name.clone(),
+                scalar: role.scalar,
+                components,
+                bytes,
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_far_boxes_get_an_origin() {
+        let near = Bounds::new(DVec3::splat(-1.0), DVec3::splat(10.0));
+        assert_eq!(origin_for(&near), DVec3::ZERO);
+        assert_eq!(origin_for(&Bounds::EMPTY), DVec3::ZERO);
+        let far = Bounds::new(
+            DVec3::new(500_000.1, 0.0, 0.0),
+            DVec3::new(500_100.1, 80.0, 30.0),
+        );
+        assert_eq!(origin_for(&far), DVec3::new(500_032.0, 64.0, 0.0));
+        let point = Bounds::new(DVec3::splat(7.5), DVec3::splat(7.5));
+        assert_eq!(origin_for(&point), DVec3::splat(7.5));
+    }
+
+    #[test]
+    fn an_origin_is_subtracted_exactly_from_f32() {
+        let bounds = Bounds::new(DVec3::splat(4_900_000.0), DVec3::splat(4_900_123.25));
+        let origin = origin_for(&bounds);
+        for value in [4_900_000.0_f32, 4_900_123.0, 4_900_077.5] {
+            let local = (f64::from(value) - origin.x) as f32;
+            assert_eq!(f64::from(local) + origin.x, f64::from(value));
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Numbers from text: fast for what files hold, exact for all.
+
+/// Powers of ten that f64 holds exactly.
+const EXACT_POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// Largest integer up to which f64 holds all.
+const EXACT_INTEGER: u64 = 1 << 53;
+
+/// Reads a decimal number, correctly rounded; also `nan`, `inf`, and what Microsoft's C library prints for them.
+///
+/// With a mantissa below 2⁵³ and a power of ten up to 22 one multiplication or division of exact values rounds correctly
+/// (Clinger, *How to Read Floating Point Numbers Accurately*, PLDI 1990); the rest goes to the standard library.
+pub(super) fn parse_f64(word: &[u8]) -> Option<f64> {
+    let (negative, digits) = match word {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, word),
+    };
+    let mut mantissa = 0_u64;
+    let mut digit_count = 0_usize;
+    let mut decimals = 0_i32;
+    let mut position = 0;
+    let mut take_digits = |position: &mut usize| {
+        let start = *position;
+        while let Some(digit) = digits
+            .get(*position)
+            .map(|byte| byte.wrapping_sub(b'0'))
+            .filter(|digit| *digit < 10)
+        {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            *position += 1;
+        }
+        digit_count += *position - start;
+        *position - start
+    };
+    take_digits(&mut position);
+    if digits.get(position) == Some(&b'.') {
+        position += 1;
+        decimals = i32::try_from(take_digits(&mut position)).ok()?;
+    }
+    // 19 digits fit into 64 bits.
+    if digit_count == 0 || digit_count > 19 || mantissa > EXACT_INTEGER {
+        return parse_slowly(word);
+    }
+    let mut exponent = 0_i32;
+    if let [b'e' | b'E', rest @ ..] = &digits[position..] {
+        let (sign, rest) = match rest {
+            [b'-', rest @ ..] => (-1, rest),
+            [b'+', rest @ ..] => (1, rest),
+            _ => (1, rest),
+        };
+        if rest.is_empty() || rest.len() > 4 || !rest.iter().all(u8::is_ascii_digit) {
+            return parse_slowly(word);
+        }
+        exponent = sign
+            * rest
+                .iter()
+                .fold(0, |value, digit| value * 10 + i32::from(digit - b'0'));
+    } else if position != digits.len() {
+        return parse_slowly(word);
+    }
+    let power = exponent - decimals;
+    let magnitude = match EXACT_POWERS.get(power.unsigned_abs() as usize) {
+        Some(scale) if power < 0 => mantissa as f64 / scale,
+        Some(scale) => mantissa as f64 * scale,
+        None => return parse_slowly(word),
+    };
+    Some(if negative { -magnitude } else { magnitude })
+}
+
+#[cold]
+fn parse_slowly(word: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(word).ok()?;
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    // 1.#INF, -1.#IND, 1.#QNAN, and -nan(ind)
+    let lower = text.to_ascii_lowercase();
+    let special = lower.trim_start_matches(['-', '+']);
+    if special.starts_with("1.#inf") {
+        return Some(if lower.starts_with('-') {
+            f64::NEG_INFINITY
+        } else {
+            f64::INFINITY
+        });
+    }
+    (special.starts_with("1.#") || special.starts_with("nan(")).then_some(f64::NAN)
+}
+
+/// Reads an integer; a number with a fraction is cut, one out of range saturates.
+pub(super) fn parse_i64(word: &[u8]) -> Option<i64> {
+    let (negative, digits) = match word {
+        [b'-', rest @ ..] => (true, rest),
+        _ => (false, word),
+    };
+    // 18 digits fit into 63 bits.
+    if digits.is_empty() || digits.len() > 18 || !digits.iter().all(u8::is_ascii_digit) {
+        return parse_f64(word)
+            .filter(|value| !value.is_nan())
+            .map(|value| value as i64);
+    }
+    let magnitude = digits
+        .iter()
+        .fold(0_i64, |value, digit| value * 10 + i64::from(digit - b'0'));
+    Some(if negative { -magnitude } else { magnitude })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn usual_and_odd_spellings_are_read() {
+        for (word, expected) in [
+            ("0", 0.0),
+            ("-0.0378297", -0.037_829_7),
+            (".5", 0.5),
+            ("5.", 5.0),
+            ("+7e-2", 0.07),
+            ("1E3", 1000.0),
+            (
+                "123456789012345678901234567890",
+                123_456_789_012_345_678_901_234_567_890.0,
+            ),
+            ("1e400", f64::INFINITY),
+            ("4.9406564584124654e-324", 5e-324),
+            ("-inf", f64::NEG_INFINITY),
+            ("1.#INF", f64::INFINITY),
+        ] {
+            assert_eq!(parse_f64(word.as_bytes()), Some(expected), "{word}");
+        }
+        for word in ["nan", "-nan", "NaN", "1.#QNAN", "-1.#IND", "-nan(ind)"] {
+            assert!(
+                parse_f64(word.as_bytes()).is_some_and(f64::is_nan),
+                "{word}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused() {
+        for word in [
+            "", "-", ".", "e5", "1e", "1e+", "1.2.3", "0x10", "12a", "1,5", "--1", "\u{663}",
+        ] {
+            assert_eq!(parse_f64(word.as_bytes()), None, "{word:?}");
+        }
+    }
+
+    #[test]
+    fn integers_may_have_a_point_and_saturate() {
+        assert_eq!(parse_i64(b"-12"), Some(-12));
+        assert_eq!(parse_i64(b"3.0"), Some(3));
+        assert_eq!(parse_i64(b"99999999999999999999"), Some(i64::MAX));
+        assert_eq!((parse_i64(b"nan"), parse_i64(b"")), (None, None));
+    }
+
+    proptest! {
+        #[test]
+        fn every_f64_is_read_back_exactly(value in proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL) {
+            prop_assert_eq!(parse_f64(format!("{value}").as_bytes()), Some(value));
+            prop_assert_eq!(parse_f64(format!("{value:e}").as_bytes()), Some(value));
+        }
+
+        #[test]
+        fn short_decimals_equal_the_standard_library(text in "-?[0-9]{1,9}\\.[0-9]{0,9}(e-?[0-9]{1,2})?") {
+            prop_assert_eq!(parse_f64(text.as_bytes()), text.parse().ok());
+        }
+
+        #[test]
+        fn arbitrary_words_never_panic(word: Vec<u8>) {
+            let _ = (parse_f64(&word), parse_i64(&word));
+        }
+    }
+}
