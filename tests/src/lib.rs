@@ -2,6 +2,7 @@
 //!
 //! * [`program`] finds the built program and its plugins and runs the command line with a time limit.
 //! * [`scenes`] makes small scenes as PLY files; [`data`] finds the shared test data folder, or says that it skips.
+//! * [`render`] draws such scenes with one fixed view.
 //! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
 //! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
 //!
@@ -12,5 +13,6 @@ pub mod compare;
 pub mod data;
 pub mod golden;
 pub mod program;
+pub mod render;
 pub mod scenes;
 pub mod window;
