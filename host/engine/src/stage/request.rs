@@ -2,6 +2,7 @@
 
 use crate::frame::{Background, Picture, Plane, Show};
 use pointstage_plugin_api::abi::{Interaction, Purpose};
+pub use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
 use pointstage_scene::{Camera, Lights, Scene};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,26 +22,6 @@ pub enum Role {
     /// Off-screen: exports, tools, reference.
     Auxiliary,
 }
-
-/// A setting's value, as the host keeps it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SettingValue {
-    /// On or off.
-    Bool(bool),
-    /// A whole number.
-    Int(i64),
-    /// A number.
-    Float(f64),
-    /// The id of an option.
-    Choice(String),
-    /// Linear red, green, blue, alpha.
-    Colour([f64; 4]),
-    /// Any text.
-    Text(String),
-}
-
-/// Values by setting id. What is absent takes the schema's default.
-pub type SettingValues = BTreeMap<String, SettingValue>;
 
 /// Whether a frame waits for a renderer that is not prepared yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
