@@ -1,4 +1,5 @@
 //! How Pointstage draws: device, GPU service, plugin loading, frames, targets and measurements. No window, no user
 //! interface, and no scene files: those belong to the program and to the scene.
 
+pub mod device;
 pub mod frame;
