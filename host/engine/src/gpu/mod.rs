@@ -1,0 +1,31 @@
+//! The GPU service: what plugins may do with the device, checked.
+//!
+//! A plugin holds handles only. What it asks for arrives as a descriptor ([`GpuObject`](pointstage_plugin_api::abi)'s
+//! methods, in `object`), is checked and converted (`create`, `pipelines`, `shader`, `convert`, `features`), made inside
+//! an error scope and kept in one table (`handles`), charged to its owner (`bytes`). What it draws arrives as a list of
+//! recorded commands, which `replay` walks once: every handle, state and number is checked before wgpu sees it, and
+//! nothing is submitted unless all of it is right. Read-backs are tickets (`tickets`), pass times come from timestamps
+//! (`timing`); neither ever waits.
+//!
+//! The host's own resources (scene columns, targets, groups 0 and 1) are imported; every owner may use them, but none
+//! may write the buffers among them.
+
+mod bytes;
+mod convert;
+mod create;
+mod features;
+mod handles;
+mod object;
+mod pass;
+mod pipelines;
+mod replay;
+mod service;
+mod shader;
+mod tickets;
+mod timing;
+mod write;
+
+pub use handles::Owner;
+pub use replay::Replay;
+pub use service::GpuService;
+pub use timing::{PassTime, PassTimes, Timings};
