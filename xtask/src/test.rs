@@ -49,7 +49,7 @@ pub(crate) fn test(arguments: &[String]) -> Outcome {
         ]),
     )?;
     run_tests(long)?;
-    let mut doc = process::cargo(&["doc", "--workspace", "--no-deps", "--quiet"]);
+    let mut doc = process::cargo(&["doc", "--workspace", "--no-deps"]);
     doc.env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", doc)?;
 
@@ -62,7 +62,13 @@ pub(crate) fn test(arguments: &[String]) -> Outcome {
 
 fn step(name: &str, mut command: Command) -> Outcome {
     process::say(name);
-    process::run(&format!("the step '{name}'"), &mut command)
+    let started = Instant::now();
+    process::run(&format!("the step '{name}'"), &mut command)?;
+    process::say(&format!(
+        "{name}: passed in {} s",
+        started.elapsed().as_secs()
+    ));
+    Ok(())
 }
 
 /// All tests, doctests included; the whole log is kept in `target/test-output/tests.log`.
