@@ -207,7 +207,7 @@ mod tests {
         let (earlier, id) = scene_of_one();
         let mut later = earlier.clone();
         later.edit(id, |object| {
-            object.world_from_object = DAffine3::from_translation(DVec3::X)
+            object.world_from_object = DAffine3::from_translation(DVec3::X);
         });
         let changes = Changes::between(&earlier, &later);
         let expected = ObjectChange {

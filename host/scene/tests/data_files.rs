@@ -49,7 +49,7 @@ fn facts(folder: &std::path::Path, starts: &[&str]) -> Vec<Fact> {
         std::fs::read_to_string(folder.join("manifest.json")).expect("the manifest is readable");
     let all: Vec<serde_json::Value> = serde_json::from_str(&text).expect("the manifest is JSON");
     let is_wanted =
-        |path: &str| path.ends_with(".ply") && starts.iter().any(|start| path.starts_with(start));
+        |path: &str| path.ends_with("ply") && starts.iter().any(|start| path.starts_with(start));
     let wanted = all
         .into_iter()
         .filter(|fact| fact["path"].as_str().is_some_and(is_wanted));

@@ -3,6 +3,7 @@
 
 mod support;
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use glam::DVec3;
@@ -53,8 +54,9 @@ impl MadeUp {
         let names = ["x", "y", "z", "extra", "more"];
         let mut vertex = format!("element vertex {}\n", self.rows.len());
         for column in &self.order {
-            vertex += &format!(
-                "property {} {}\n",
+            let _ = writeln!(
+                vertex,
+                "property {} {}",
                 TYPES[self.types[*column]], names[*column]
             );
         }
@@ -84,9 +86,9 @@ impl MadeUp {
                 self.length_type,
                 corners.len() as u8,
             );
-            corners
-                .iter()
-                .for_each(|corner| put(&mut face_body, encoding, self.index_type, *corner));
+            for corner in corners {
+                put(&mut face_body, encoding, self.index_type, *corner);
+            }
             end_row(&mut face_body, encoding);
         }
         let parts = if self.faces_first {
@@ -157,8 +159,11 @@ fn made_up() -> impl Strategy<Value = MadeUp> {
     )
 }
 
+/// Positions in the world, triangles, named columns and warnings.
+type Summary = (Vec<DVec3>, Vec<[u32; 3]>, Vec<(String, Vec<f64>)>, String);
+
 /// Everything that must agree.
-fn summary(loaded: &Loaded) -> (Vec<DVec3>, Vec<[u32; 3]>, Vec<(String, Vec<f64>)>, String) {
+fn summary(loaded: &Loaded) -> Summary {
     let geometry = &loaded.object.geometry;
     let positions = (0..geometry.surfel_count)
         .filter_map(|s| Some(loaded.object.origin + geometry.centre(s)?))
@@ -185,7 +190,7 @@ proptest! {
     #[test]
     fn all_encodings_of_a_file_give_the_same_object(file in made_up()) {
         let [text, little, big] = [Encoding::Text, Encoding::Little, Encoding::Big]
-            .map(|encoding| load_bytes(&file.write(encoding), &FILE_ONLY).map(|loaded| summary(&loaded)).map_err(|e| e.to_string()));
+            .map(|encoding| load_bytes(&file.write(encoding), FILE_ONLY).map(|loaded| summary(&loaded)).map_err(|e| e.to_string()));
         let text = text.expect("the text is well formed");
         prop_assert_eq!(&text.0.len(), &file.rows.len());
         for (position, row) in text.0.iter().zip(&file.rows) {
@@ -251,7 +256,7 @@ fn a_second_reader_finds_the_same_positions_and_corners() {
             .get("face")
             .into_iter()
             .flatten()
-            .map(|face| corners(face))
+            .map(corners)
             .collect();
         if !faces.is_empty()
             && faces.iter().all(|face| face.len() == 3)

@@ -18,14 +18,14 @@ const FILE_ONLY: LoadOptions = LoadOptions {
 /// Loads a text body under a header of `elements`, without estimation.
 fn text(elements: &str, body: &str) -> Result<Loaded, String> {
     let file = format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{body}");
-    load_bytes(file.as_bytes(), &FILE_ONLY).map_err(|error| error.to_string())
+    load_bytes(file.as_bytes(), FILE_ONLY).map_err(|error| error.to_string())
 }
 
 fn binary(elements: &str, body: &[u8]) -> Result<Loaded, String> {
     let mut file =
         format!("ply\nformat binary_little_endian 1.0\n{elements}\nend_header\n").into_bytes();
     file.extend_from_slice(body);
-    load_bytes(&file, &FILE_ONLY).map_err(|error| error.to_string())
+    load_bytes(&file, FILE_ONLY).map_err(|error| error.to_string())
 }
 
 fn world(loaded: &Loaded, surfel: usize) -> DVec3 {
@@ -178,7 +178,7 @@ fn map_coordinates_keep_a_tenth_of_a_millimetre() {
     }
     let bytes: Vec<u8> = positions
         .iter()
-        .flat_map(|p| p.to_array())
+        .flat_map(DVec3::to_array)
         .flat_map(f64::to_le_bytes)
         .collect();
     let loaded = binary(
@@ -199,10 +199,9 @@ fn colours_of_every_type_become_bytes() {
         ("double", "255 128 nan", [255, 128, 0, 255]),
         ("int", "300 128 -7", [255, 128, 0, 255]),
     ] {
-        let colours: String = ["red", "green", "blue"]
-            .iter()
+        let colours = ["red", "green", "blue"]
             .map(|name| format!("\nproperty {scalar} {name}"))
-            .collect();
+            .concat();
         let loaded = text(
             &format!("element vertex 1\n{XYZ}{colours}"),
             &format!("0 0 0 {values}\n"),
@@ -219,10 +218,9 @@ fn colours_of_every_type_become_bytes() {
 
 #[test]
 fn axes_give_normal_and_radius_when_the_file_has_none() {
-    let axes: String = ["ux", "uy", "uz", "vx", "vy", "vz"]
-        .iter()
+    let axes = ["ux", "uy", "uz", "vx", "vy", "vz"]
         .map(|name| format!("\nproperty float {name}"))
-        .collect();
+        .concat();
     let loaded = text(
         &format!("element vertex 1\n{XYZ}{axes}"),
         "0 0 0 2 0 0 0 0.5 0\n",
@@ -254,7 +252,7 @@ fn useless_normals_and_radii_are_computed_and_counted() {
     );
     let body = "0 0 0 0 0 1 5\n1 0 0 nan 0 1 5\n1 1 0 0 0 0 -1\n0 1 0 1 0 0 5\n3 0 1 2\n3 0 2 3\n";
     let file = format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{body}");
-    let loaded = load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded");
+    let loaded = load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded");
     let block = &loaded.object.geometry.blocks[0];
     let normals: Vec<Vec3> = (0..4)
         .filter_map(|surfel| block.normal_at(surfel))
@@ -288,7 +286,7 @@ fn vertices_without_a_face_get_their_radius_from_neighbours() {
     let file = format!(
         "ply\nformat ascii 1.0\n{elements}\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n"
     );
-    let loaded = load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded");
+    let loaded = load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded");
     let geometry = &loaded.object.geometry;
     assert!(geometry.blocks[0].position_radius[3][3] > 0.0);
     assert_eq!(geometry.origins.normals, Provenance::FromFaces);
@@ -307,7 +305,7 @@ fn flipping_turns_faces_and_normals() {
     ] {
         let loaded = load_bytes(
             file.as_bytes(),
-            &LoadOptions {
+            LoadOptions {
                 winding,
                 ..LoadOptions::default()
             },
@@ -325,7 +323,7 @@ fn points_at_one_place_load_with_a_warning() {
         "ply\nformat ascii 1.0\nelement vertex 3\n{XYZ}\nend_header\n{}",
         "7 8 9\n".repeat(3)
     );
-    let loaded = load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded");
+    let loaded = load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded");
     assert_eq!(world(&loaded, 2), DVec3::new(7.0, 8.0, 9.0));
     assert_eq!(loaded.warnings.count(&WarningKind::AllAtOnePlace), 3);
 }

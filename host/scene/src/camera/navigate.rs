@@ -114,12 +114,11 @@ impl Camera {
         let distance = self.distance();
         self.near = distance * NEAR_PER_DISTANCE;
         let behind = bounds.centre().distance(self.pivot) + bounds.sphere_radius() * FRAME_MARGIN;
-        if let Projection::Orthographic { .. } = self.projection {
-            if distance < behind * 1.01 {
-                let [_, _, back] = self.axes_world();
-                self.eye = self.pivot + back * (behind * 1.01);
-                self.near = behind * NEAR_PER_DISTANCE;
-            }
+        let is_orthographic = matches!(self.projection, Projection::Orthographic { .. });
+        if is_orthographic && distance < behind * 1.01 {
+            let [_, _, back] = self.axes_world();
+            self.eye = self.pivot + back * (behind * 1.01);
+            self.near = behind * NEAR_PER_DISTANCE;
         }
         self.far = self.distance() + behind.max(self.near);
     }

@@ -137,6 +137,9 @@ impl ViewRecord {
     }
 
     /// The record as JSON, readable by people.
+    ///
+    /// # Panics
+    /// Never: numbers and strings alone are always representable.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("numbers and strings alone: always representable")
     }

@@ -51,7 +51,7 @@ struct Centres<'a> {
 
 impl Centres<'_> {
     /// Relative to the box's centre, scaled to a box of about 1.
-    #[inline(always)]
+    #[inline]
     fn get(&self, vertex: u32) -> Vec3 {
         let [x, y, z, _] =
             self.blocks[vertex as usize / MAX_BLOCK_SURFELS][vertex as usize % MAX_BLOCK_SURFELS];
@@ -95,16 +95,18 @@ pub(super) fn complete(
                 job.check()?;
                 match rule {
                     FaceRadius::EnclosingCircle => {
-                        add_triangles(piece, &centres, start, sums, &mut totals, enclosing_squared)
+                        add_triangles(piece, &centres, start, sums, &mut totals, enclosing_squared);
                     }
-                    FaceRadius::EdgeTouch => add_triangles(
-                        piece,
-                        &centres,
-                        start,
-                        sums,
-                        &mut totals,
-                        half_longest_squared,
-                    ),
+                    FaceRadius::EdgeTouch => {
+                        add_triangles(
+                            piece,
+                            &centres,
+                            start,
+                            sums,
+                            &mut totals,
+                            half_longest_squared,
+                        );
+                    }
                 }
             }
             if let Some(polygons) = polygons {
@@ -121,7 +123,7 @@ pub(super) fn complete(
 
 /// Adds the triangles that touch vertices `start` … of `sums`. `radius_squared` gets the squared edges, largest first, and
 /// the squared length of the cross product of two edges.
-#[inline(always)]
+#[inline]
 fn add_triangles(
     triangles: &[[u32; 3]],
     centres: &Centres<'_>,
@@ -175,7 +177,7 @@ fn add_triangles(
 }
 
 /// Squares of three lengths, the largest first.
-#[inline(always)]
+#[inline]
 fn sort3(a: f32, b: f32, c: f32) -> [f32; 3] {
     let (low, high) = (a.min(b), a.max(b));
     [high.max(c), low.max(high.min(c)), low.min(c)]
@@ -183,7 +185,7 @@ fn sort3(a: f32, b: f32, c: f32) -> [f32; 3] {
 
 /// Squared radius of the smallest circle that encloses a triangle: half the longest edge if the angle across it is not
 /// acute, the circumcircle `abc / (4 · area)` otherwise.
-#[inline(always)]
+#[inline]
 fn enclosing_squared([a, b, c]: [f32; 3], cross_squared: f32) -> f32 {
     if a >= b + c {
         0.25 * a
@@ -193,15 +195,16 @@ fn enclosing_squared([a, b, c]: [f32; 3], cross_squared: f32) -> f32 {
 }
 
 /// Squared half of the longest edge.
-#[inline(always)]
+#[inline]
 fn half_longest_squared([a, ..]: [f32; 3], _: f32) -> f32 {
     0.25 * a
 }
 
 /// Sums the normals once a polygon instead of once a triangle: a quad cut in two would count twice at two of its corners.
 fn replace_normals(polygons: &Polygons, centres: &Centres<'_>, start: u32, sums: &mut [Sum]) {
-    sums.iter_mut()
-        .for_each(|sum| *sum = [0.0, 0.0, 0.0, sum[3]]);
+    for sum in &mut *sums {
+        *sum = [0.0, 0.0, 0.0, sum[3]];
+    }
     for corners in polygons.iter() {
         let [first, rest @ ..] = corners else {
             continue;
@@ -284,13 +287,13 @@ fn orientation(parts: &[Totals]) -> Orientation {
     let volume: f64 = parts.iter().map(|part| part.volume / 6.0).sum();
     let area: f64 = parts.iter().map(|part| part.area / 2.0).sum();
     let area_vector: DVec3 = parts.iter().map(|part| part.area_vector / 2.0).sum();
-    let is_open = !(area_vector.length() < OPEN_PART * area);
+    let is_closed = area_vector.length() < OPEN_PART * area;
     // A ball has 36 π V² = A³.
-    let is_flat = !(36.0 * std::f64::consts::PI * volume * volume > FLAT_PART * area.powi(3));
-    match (is_open || is_flat, volume < 0.0) {
-        (true, _) => Orientation::Unknown,
-        (false, true) => Orientation::Inward,
-        (false, false) => Orientation::Outward,
+    let is_thick = 36.0 * std::f64::consts::PI * volume * volume > FLAT_PART * area.powi(3);
+    match (is_closed && is_thick, volume < 0.0) {
+        (false, _) => Orientation::Unknown,
+        (true, true) => Orientation::Inward,
+        (true, false) => Orientation::Outward,
     }
 }
 

@@ -15,6 +15,9 @@ pub(super) const PIECE_SURFELS: usize = 512;
 /// Surfels between two looks at the cancel flag, and done by one thread at a time.
 const TASK_SURFELS: usize = 32 * PIECE_SURFELS;
 
+/// The blocks of a column.
+pub(super) type Column<T> = Vec<Arc<[T]>>;
+
 /// A column of `count` surfels with `width` values of `T` each, cut into blocks.
 ///
 /// `convert` gets surfels (at most [`PIECE_SURFELS`]) and their slots, and returns what `merge` joins; `merge` must not mind
@@ -25,7 +28,7 @@ pub(super) fn fill_blocks<T, S>(
     job: &Job,
     convert: impl Fn(Range<usize>, &mut [T]) -> S + Sync,
     merge: impl Fn(S, S) -> S + Sync,
-) -> Result<(Vec<Arc<[T]>>, S), Cancelled>
+) -> Result<(Column<T>, S), Cancelled>
 where
     T: Zeroable + Send + Sync,
     S: Default + Send,

@@ -131,7 +131,7 @@ pub fn load(path: &Path, options: &LoadOptions, job: &Job) -> Result<Loaded, Loa
         origin,
         geometry,
         warnings,
-    } = ply::read(&file, options, job).map_err(|stop| match stop {
+    } = ply::read(&file, *options, job).map_err(|stop| match stop {
         Stop::Ply(source) => LoadError::Ply {
             path: path.to_path_buf(),
             source: *source,

@@ -15,13 +15,11 @@ use super::header::{Element, PlyHeader, PropertyKind};
 use super::number::{parse_f64, parse_i64};
 use super::plan::{ElementUse, FaceKind, FaceLists};
 use super::table::{ByteOrder, Table, write_native};
+use super::text::{Piece, Text, Words, has_words, lines_of};
 use crate::geometry::ScalarType;
 use crate::job::Job;
 use crate::load::fill::zeroed_slice;
 use crate::warnings::{WarningKind, Warnings};
-
-/// Text read between two looks at the cancel flag, and by one thread at a time, bytes.
-const PIECE_BYTES: usize = 256 << 10;
 
 pub(super) fn read_ascii<'a>(
     file: &'a [u8],
@@ -70,127 +68,6 @@ pub(super) fn read_ascii<'a>(
     Ok(body)
 }
 
-/// The text of a body, with its lines counted.
-struct Text<'a> {
-    bytes: &'a [u8],
-    line_end: u8,
-    pieces: Vec<Piece>,
-    /// Lines with words.
-    lines: u64,
-    /// Lines of the whole file.
-    file_lines: u64,
-}
-
-/// A run of whole lines.
-struct Piece {
-    start: usize,
-    end: usize,
-    /// Lines with words before this piece, in the body.
-    lines_before: u64,
-    /// Lines with words in it.
-    lines: u64,
-    /// Lines before this piece in the file, blank ones too.
-    file_lines_before: u64,
-}
-
-impl<'a> Text<'a> {
-    fn index(bytes: &'a [u8], header: &PlyHeader, job: &Job) -> Result<Self, Stop> {
-        let line_end = header.line_end;
-        let mut starts = vec![0];
-        while let Some(wanted) = starts
-            .last()
-            .map(|start| start + PIECE_BYTES)
-            .filter(|wanted| *wanted < bytes.len())
-        {
-            let Some(end) = memchr::memchr(line_end, &bytes[wanted..]) else {
-                break;
-            };
-            starts.push(wanted + end + 1);
-        }
-        let ends = starts.iter().skip(1).copied().chain([bytes.len()]);
-        let ranges: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
-        let counts: Vec<(u64, u64)> = ranges
-            .par_iter()
-            .map(|&(start, end)| {
-                job.check()?;
-                let all = lines_of(&bytes[start..end], line_end);
-                Ok(all.fold((0, 0), |(with_words, all), line| {
-                    (with_words + u64::from(has_words(line)), all + 1)
-                }))
-            })
-            .collect::<Result<_, Stop>>()?;
-        let (mut lines_before, mut file_lines_before) = (0, header.line_count);
-        let mut pieces = Vec::with_capacity(ranges.len());
-        for ((start, end), (lines, all_lines)) in ranges.into_iter().zip(counts) {
-            pieces.push(Piece {
-                start,
-                end,
-                lines_before,
-                lines,
-                file_lines_before,
-            });
-            lines_before += lines;
-            file_lines_before += all_lines;
-        }
-        Ok(Self {
-            bytes,
-            line_end,
-            pieces,
-            lines: lines_before,
-            file_lines: file_lines_before,
-        })
-    }
-
-    /// Refuses rows that are not there before anything is allocated for them.
-    fn check_room(&self, element: &Element, first_line: u64, rows: u64) -> Result<(), PlyError> {
-        let left = self.lines - first_line;
-        if rows <= left {
-            return Ok(());
-        }
-        Err(PlyError::MissingRows {
-            place: Place::Line(self.file_lines),
-            element: element.name.clone(),
-            row: left + 1,
-            rows,
-        })
-    }
-}
-
-/// Lines of `text`, without their ends; no line after the last end.
-fn lines_of(text: &[u8], line_end: u8) -> impl Iterator<Item = &[u8]> {
-    let mut start = 0;
-    std::iter::from_fn(move || {
-        let rest = text.get(start..).filter(|rest| !rest.is_empty())?;
-        let length = memchr::memchr(line_end, rest).unwrap_or(rest.len());
-        start += length + 1;
-        Some(&rest[..length])
-    })
-}
-
-fn has_words(line: &[u8]) -> bool {
-    line.iter().any(|byte| *byte > b' ')
-}
-
-/// The words of a line, apart by blanks, tabs or carriage returns.
-struct Words<'a> {
-    rest: &'a [u8],
-}
-
-impl<'a> Words<'a> {
-    #[inline]
-    fn next(&mut self) -> Option<&'a [u8]> {
-        let start = self.rest.iter().position(|byte| *byte > b' ')?;
-        let rest = &self.rest[start..];
-        let length = rest
-            .iter()
-            .position(|byte| *byte <= b' ')
-            .unwrap_or(rest.len());
-        let (word, rest) = rest.split_at(length);
-        self.rest = rest;
-        Some(word)
-    }
-}
-
 /// Reads the rows of one element.
 struct RowReader<'t, 'a> {
     element: &'t Element,
@@ -215,7 +92,7 @@ impl RowReader<'_, '_> {
         let part = |piece: &'_ Piece| {
             let start = piece.lines_before.max(self.first_line);
             let end = (piece.lines_before + piece.lines).min(end_line);
-            (start < end).then(|| (start, end))
+            (start < end).then_some((start, end))
         };
         let found = self.text.pieces.iter().filter_map(|piece| {
             let (start, end) = part(piece)?;

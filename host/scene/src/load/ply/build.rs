@@ -17,7 +17,7 @@ use crate::bounds::Bounds;
 use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
 use crate::job::{Cancelled, Job};
 use crate::load::Winding;
-use crate::load::fill::{PIECE_SURFELS, fill_blocks};
+use crate::load::fill::{Column, PIECE_SURFELS, fill_blocks};
 use crate::warnings::{WarningKind, Warnings};
 
 /// Largest coordinate taken for one: squares of larger ones leave the range of f32.
@@ -195,15 +195,13 @@ fn usable([x, y, z]: [f64; 3]) -> bool {
     x.abs() <= MAX_COORDINATE && y.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE
 }
 
-type Columns<T> = Vec<Arc<[T]>>;
-
 /// Centres (less `origin`) and radii of the selected rows.
 fn place(
     roles: &Roles<'_>,
     rows: &RowSelection,
     origin: DVec3,
     job: &Job,
-) -> Result<(Columns<[f32; 4]>, Placed), Cancelled> {
+) -> Result<(Column<[f32; 4]>, Placed), Cancelled> {
     let fields = [Some(roles.x), Some(roles.y), roles.z, roles.radius];
     let convert = |range: Range<usize>, slots: &mut [[f32; 4]]| {
         let piece = Piece::read(&fields, rows, &range);
@@ -351,10 +349,9 @@ fn add_normals(
     warnings.add(WarningKind::UnusableNormalsReplaced, useless as u64);
     if useless < rows.len() {
         origins.normals = Provenance::FromFile;
-        blocks
-            .iter_mut()
-            .zip(columns)
-            .for_each(|(block, column)| block.normal = Some(column));
+        for (block, column) in blocks.iter_mut().zip(columns) {
+            block.normal = Some(column);
+        }
     }
     Ok(())
 }
@@ -388,10 +385,9 @@ fn add_colours(
     };
     let (columns, ()) = fill_blocks(rows.len(), 1, job, convert, |(), ()| ())?;
     origins.colours = Provenance::FromFile;
-    blocks
-        .iter_mut()
-        .zip(columns)
-        .for_each(|(block, column)| block.colour = Some(column));
+    for (block, column) in blocks.iter_mut().zip(columns) {
+        block.colour = Some(column);
+    }
     Ok(())
 }
 

@@ -77,9 +77,9 @@ pub(super) fn resolve(
             Corners::Triangles(triangles) => {
                 for piece in triangles.corners.chunks(ROWS_A_PIECE) {
                     job.check()?;
-                    piece
-                        .iter()
-                        .for_each(|triangle| builder.add_triangle(*triangle));
+                    for triangle in piece {
+                        builder.add_triangle(*triangle);
+                    }
                 }
             }
             Corners::Lists(lists) => builder.add_lists(&lists, job)?,
@@ -138,9 +138,11 @@ impl Builder<'_, '_> {
             rest = others;
             match lists.kind {
                 FaceKind::Polygons => self.add_polygon(corners, &mut scratch),
-                FaceKind::Strips => corners
-                    .split(|corner| *corner == STRIP_END)
-                    .for_each(|strip| self.add_strip(strip)),
+                FaceKind::Strips => {
+                    for strip in corners.split(|corner| *corner == STRIP_END) {
+                        self.add_strip(strip);
+                    }
+                }
             }
         }
         Ok(())

@@ -100,7 +100,7 @@ impl PlyHeader {
         let blank = after_magic
             .iter()
             .position(|byte| !matches!(byte, b' ' | b'\t'))
-            .ok_or_else(|| PlyError::NoEndHeader {
+            .ok_or(PlyError::NoEndHeader {
                 line: 1,
                 bytes: file.len() as u64,
             })?;
@@ -141,9 +141,8 @@ impl PlyHeader {
                 ["end_header"] => break,
                 ["comment" | "obj_info", ..] | [] => {}
                 ["format", name, _version] => {
-                    encoding = Some(parse_encoding(name).ok_or_else(|| {
-                        error("format ascii, binary_little_endian or binary_big_endian")
-                    })?)
+                    let known = "format ascii, binary_little_endian or binary_big_endian";
+                    encoding = Some(parse_encoding(name).ok_or_else(|| error(known))?);
                 }
                 ["element", name, count] => {
                     let count = count.parse().map_err(|_| error("a count of 0 or more"))?;

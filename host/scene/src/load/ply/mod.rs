@@ -20,6 +20,8 @@ mod plan;
 mod polygon;
 mod roles;
 mod table;
+mod text;
+mod triangles;
 
 use std::sync::Arc;
 
@@ -54,7 +56,7 @@ pub(super) struct PlyContents {
 }
 
 /// Reads the bytes of a PLY file.
-pub(super) fn read(file: &[u8], options: &LoadOptions, job: &Job) -> Result<PlyContents, Stop> {
+pub(super) fn read(file: &[u8], options: LoadOptions, job: &Job) -> Result<PlyContents, Stop> {
     let mut warnings = Warnings::new();
     job.set_stage("reading the file");
     let header = PlyHeader::parse(file)?;
@@ -119,7 +121,7 @@ fn add_faces(
     faces: Vec<Corners>,
     row_count: usize,
     new_index: Option<&[u32]>,
-    options: &LoadOptions,
+    options: LoadOptions,
     job: &Job,
     warnings: &mut Warnings,
 ) -> Result<Option<crate::estimate::Polygons>, Stop> {
@@ -137,9 +139,9 @@ fn add_faces(
         return Ok(None);
     };
     if options.winding == Winding::Flipped {
-        Arc::make_mut(&mut triangles)
-            .iter_mut()
-            .for_each(|triangle| triangle.swap(1, 2));
+        for triangle in Arc::make_mut(&mut triangles) {
+            triangle.swap(1, 2);
+        }
         if let Some(polygons) = &mut polygons {
             polygons.flip();
         }
@@ -153,16 +155,15 @@ fn add_faces(
 fn add_missing(
     geometry: &mut Geometry,
     polygons: Option<&crate::estimate::Polygons>,
-    options: &LoadOptions,
+    options: LoadOptions,
     job: &Job,
     warnings: &mut Warnings,
 ) -> Result<(), Stop> {
     let neighbours = match options.estimation {
         Estimation::FileOnly => return Ok(()),
-        Estimation::Never => Neighbours::Leave,
         Estimation::Always => Neighbours::Use,
         Estimation::Automatic if geometry.surfel_count <= AUTOMATIC_SURFELS => Neighbours::Use,
-        Estimation::Automatic => Neighbours::Leave,
+        Estimation::Automatic | Estimation::Never => Neighbours::Leave,
     };
     let orientation = complete(
         geometry,

@@ -81,7 +81,7 @@ trait FromBytes: Sized {
 macro_rules! from_bytes {
     ($($type:ty),*) => {$(
         impl FromBytes for $type {
-            #[inline(always)]
+            #[inline]
             fn read(bytes: &[u8], order: ByteOrder) -> Self {
                 let value = bytes.first_chunk().copied().unwrap_or_default();
                 match order {
@@ -150,6 +150,10 @@ impl Table<'_> {
 
 impl Field<'_> {
     /// Values of the selected rows `range`, as f64, into `out` of the same length.
+    #[allow(
+        clippy::useless_conversion,
+        reason = "one of the types of the macro is f64 itself"
+    )]
     pub(super) fn read(&self, rows: &RowSelection, range: Range<usize>, out: &mut [f64]) {
         match rows {
             RowSelection::All(_) => {
@@ -189,6 +193,10 @@ pub(super) fn write_native(scalar: ScalarType, value: f64, out: &mut [u8]) {
 }
 
 /// Reads one integer of `scalar` from the start of `bytes`, which holds at least its size; floats are cut.
+#[allow(
+    clippy::cast_lossless,
+    reason = "the macro casts floats too, which have no lossless way"
+)]
 pub(super) fn read_integer(scalar: ScalarType, bytes: &[u8], order: ByteOrder) -> i64 {
     with_scalar_type!(scalar, Scalar => Scalar::read(bytes, order) as i64)
 }
