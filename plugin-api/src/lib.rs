@@ -21,6 +21,8 @@ pub mod settings_schema;
 pub mod statistics;
 mod structure;
 pub mod targets;
+pub mod twin;
+pub mod wgsl;
 
 #[doc(hidden)]
 pub use crate::export::parts as __export;
