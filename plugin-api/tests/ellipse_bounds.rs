@@ -79,7 +79,7 @@ fn random_surfel(random: &mut Random, index: usize) -> (DVec3, Axes) {
     let (u, v) = tilt.normalize().any_orthonormal_pair();
     let skew = vector(0.6).x;
     let position = vector(1.0);
-    let (centre, size) = if index % 2 == 0 {
+    let (centre, size) = if index.is_multiple_of(2) {
         (
             position * DVec3::new(1.5, 1.2, 2.5) - DVec3::Z * 3.5,
             0.05 + 0.9 * vector(1.0).x.abs(),

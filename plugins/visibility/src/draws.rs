@@ -1,0 +1,71 @@
+//! The selection, as the passes walk it: draws for visibility, blocks for shading.
+
+use pointstage_plugin_api::Frame;
+use pointstage_plugin_api::gpu::GroupRef;
+
+/// One draw of the selection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrawItem {
+    pub(crate) uniform_offset: u32,
+    pub(crate) columns: GroupRef,
+    /// Surfels, at most.
+    pub(crate) count: u32,
+    pub(crate) id_base: u32,
+}
+
+/// Surfels that lie together and have their own range of ids; several draws may share them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BlockItem {
+    /// Of a draw of the block: object, material and flags are the same for all of them.
+    pub(crate) uniform_offset: u32,
+    /// Of that draw, with the columns that all of the block's draws share.
+    pub(crate) columns: GroupRef,
+    pub(crate) id_base: u32,
+    /// Surfels of the block.
+    pub(crate) id_count: u32,
+    level: f32,
+}
+
+/// What a frame draws.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct DrawList {
+    /// By rising id, so that of two surfels at one depth both paths keep the same.
+    pub(crate) draws: Vec<DrawItem>,
+    pub(crate) blocks: Vec<BlockItem>,
+    /// Whether draws of one block have different levels: then only the raster path can tell a pixel's level.
+    pub(crate) mixes_levels: bool,
+    /// Surfels selected, at most.
+    pub(crate) surfel_count: u64,
+}
+
+impl DrawList {
+    pub(crate) fn of(frame: &Frame<'_>) -> Self {
+        let mut list = Self::default();
+        for draw in frame.selection().filter(|draw| draw.count() > 0) {
+            let uniform = draw.uniform();
+            list.surfel_count += u64::from(draw.count());
+            list.draws.push(DrawItem {
+                uniform_offset: draw.uniform_offset(),
+                columns: draw.columns(),
+                count: draw.count(),
+                id_base: uniform.id_base,
+            });
+            match list
+                .blocks
+                .iter()
+                .find(|block| block.id_base == uniform.id_base)
+            {
+                Some(block) => list.mixes_levels |= block.level != uniform.level,
+                None => list.blocks.push(BlockItem {
+                    uniform_offset: draw.uniform_offset(),
+                    columns: draw.columns(),
+                    id_base: uniform.id_base,
+                    id_count: draw.block().surfel_count(),
+                    level: uniform.level,
+                }),
+            }
+        }
+        list.draws.sort_by_key(|draw| draw.id_base);
+        list
+    }
+}

@@ -1,0 +1,25 @@
+//! Drawing opaque splats: which surfel is nearest at each pixel, then one colour for it.
+//!
+//! A renderer brings the *footprint* of a surfel: a WESL module `footprint::shape` that says which pixels a surfel covers
+//! and at which depth. This crate does the rest, in two steps:
+//!
+//! 1. **visibility**: for each draw of the selection, the nearest surfel's id and depth per pixel; by the raster pipeline
+//!    (quads, depth test) or by a compute kernel (atomic maximum of depth and id). Both decide by the footprint's
+//!    functions alone, so they give the same picture.
+//! 2. **shading**: for each block, one full-screen triangle that lights the visible surfels and fills the targets that
+//!    were asked for. So no surfel is lit in vain, and targets that nobody wants cost nothing.
+//!
+//! `points` (sprites) and `surfel` (elliptical disks) are made of it. It stands on the public plugin interface only.
+
+#![forbid(unsafe_code)]
+
+mod draws;
+mod footprint;
+mod pipelines;
+mod record;
+mod targets;
+mod view;
+
+pub use footprint::{Footprint, Varying};
+pub use pipelines::{Prepared, linked_variants};
+pub use view::{AutoPath, Path, Request, VisibilityView};

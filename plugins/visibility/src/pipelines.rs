@@ -1,0 +1,314 @@
+//! What all views of a renderer share: layouts, the quads' index buffer, and pipelines, each made when it is first needed.
+
+use crate::footprint::{Footprint, Varying};
+use crate::targets::TargetSet;
+use pointstage_plugin_api::abi::{BufferUsage, Compare, Format, ShaderStages};
+use pointstage_plugin_api::gpu::{
+    BindGroupLayout, Binding, Buffer, ColourTarget, ComputePipeline, ComputePipelineOptions,
+    DepthTest, Gpu, RenderPipeline, RenderPipelineOptions, Shader,
+};
+use pointstage_plugin_api::wgsl::{Module, WgslError, link};
+use pointstage_plugin_api::{Error, Result};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
+/// Quads of the index buffer; `QUADS_PER_INSTANCE` in the shader.
+pub(crate) const QUADS_PER_INSTANCE: u32 = 65_536;
+/// Indices of a quad: two triangles.
+pub(crate) const INDICES_PER_QUAD: u32 = 6;
+
+const VISIBILITY_PASS: Module<'static> = Module::new(
+    "visibility::visibility_pass",
+    include_str!("../../../shaders/visibility/visibility_pass.wesl"),
+);
+const VISIBILITY_COMPUTE: Module<'static> = Module::new(
+    "visibility::visibility_compute",
+    include_str!("../../../shaders/visibility/visibility_compute.wesl"),
+);
+const SHADING_PASS: Module<'static> = Module::new(
+    "visibility::shading_pass",
+    include_str!("../../../shaders/visibility/shading_pass.wesl"),
+);
+
+/// Which of the compute kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Kernel {
+    /// Depth and id at once, by 64-bit atomics.
+    Whole,
+    /// The greatest depth; the first of two passes.
+    NearestDepth,
+    /// The greatest id at the greatest depth; the second of two passes.
+    GreatestId,
+}
+
+/// The kernel for all surfels, and the one for those of many pixels.
+#[derive(Clone)]
+pub(crate) struct Kernels {
+    pub(crate) each: ComputePipeline,
+    pub(crate) large: ComputePipeline,
+}
+
+/// Where the shading pass finds what is visible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Source {
+    /// The raster path's id texture.
+    Ids,
+    /// The compute path's buffer.
+    Pixels,
+}
+
+type Cache<K, V> = Mutex<BTreeMap<K, V>>;
+
+/// A renderer, prepared: shared by its views. Nothing in it depends on the scene.
+pub struct Prepared {
+    pub(crate) gpu: Gpu,
+    pub(crate) footprint: Footprint,
+    pub(crate) quads: Buffer,
+    /// Group 2 of visibility: the footprint's uniform.
+    pub(crate) footprint_layout: BindGroupLayout,
+    /// Group 3 of the compute path: pixels, large surfels.
+    pub(crate) pixels_layout: BindGroupLayout,
+    /// Group 2 of shading, by [`Source`]: what is visible, and the block.
+    pub(crate) ids_layout: BindGroupLayout,
+    pub(crate) visible_layout: BindGroupLayout,
+    frame_layout: BindGroupLayout,
+    columns_layout: BindGroupLayout,
+    raster: Cache<(Vec<&'static str>, bool), RenderPipeline>,
+    compute: Cache<(Vec<&'static str>, Kernel), Kernels>,
+    shading: Cache<(Source, TargetSet), RenderPipeline>,
+}
+
+impl Prepared {
+    /// Makes what the views of a renderer with this footprint share.
+    ///
+    /// # Errors
+    /// If the device refuses a resource.
+    pub fn new(gpu: &Gpu, footprint: Footprint) -> Result<Self> {
+        let both = ShaderStages::VERTEX | ShaderStages::COMPUTE;
+        let fragment = ShaderStages::FRAGMENT;
+        let layout = |label, entries: &[_]| gpu.bind_group_layout(label, entries);
+        Ok(Self {
+            quads: quads(gpu)?,
+            footprint_layout: layout("footprint", &[(0, both, Binding::Uniform)])?,
+            pixels_layout: layout(
+                "pixels and large surfels",
+                &[
+                    (0, ShaderStages::COMPUTE, Binding::Storage),
+                    (1, ShaderStages::COMPUTE, Binding::Storage),
+                ],
+            )?,
+            ids_layout: layout(
+                "visible ids",
+                &[
+                    (0, fragment, Binding::TextureUint),
+                    (1, fragment, Binding::UniformDynamic),
+                ],
+            )?,
+            visible_layout: layout(
+                "visible pixels",
+                &[
+                    (0, fragment, Binding::StorageRead),
+                    (1, fragment, Binding::UniformDynamic),
+                ],
+            )?,
+            frame_layout: gpu.frame_layout()?,
+            columns_layout: gpu.columns_layout()?,
+            gpu: gpu.clone(),
+            footprint,
+            raster: Mutex::default(),
+            compute: Mutex::default(),
+            shading: Mutex::default(),
+        })
+    }
+
+    /// The raster path's visibility pipeline, with or without a level target.
+    pub(crate) fn raster(&self, features: &[&'static str], level: bool) -> Result<RenderPipeline> {
+        cached(&self.raster, (features.to_vec(), level), || {
+            let shader = self.shader(
+                VISIBILITY_PASS,
+                &raster_features(&self.footprint, features, level),
+            )?;
+            let target = |format| {
+                Some(ColourTarget {
+                    format,
+                    blend: None,
+                })
+            };
+            let targets = [target(Format::R32_UINT), target(Format::R8_UINT)];
+            self.gpu.render_pipeline(&RenderPipelineOptions {
+                layouts: &[
+                    &self.frame_layout,
+                    &self.columns_layout,
+                    &self.footprint_layout,
+                ],
+                vertex: "visibility_pass_vertex",
+                fragment: Some("visibility_pass_fragment"),
+                // Of equal depths the last drawn stays, which is the greatest id, as on the compute path.
+                depth: Some(DepthTest {
+                    compare: Compare::GREATER_EQUAL,
+                    ..DepthTest::NEARER
+                }),
+                targets: if level { &targets } else { &targets[..1] },
+                ..RenderPipelineOptions::new("visibility pass", &shader)
+            })
+        })
+    }
+
+    /// The compute path's kernels.
+    pub(crate) fn compute(&self, features: &[&'static str], kernel: Kernel) -> Result<Kernels> {
+        cached(&self.compute, (features.to_vec(), kernel), || {
+            let shader = self.shader(VISIBILITY_COMPUTE, &compute_features(features, kernel))?;
+            let pipeline = |entry_point| {
+                self.gpu.compute_pipeline(&ComputePipelineOptions {
+                    label: entry_point,
+                    layouts: &[
+                        &self.frame_layout,
+                        &self.columns_layout,
+                        &self.footprint_layout,
+                        &self.pixels_layout,
+                    ],
+                    immediate_size: 0,
+                    shader: &shader,
+                    entry_point,
+                    constants: &[],
+                })
+            };
+            Ok(Kernels {
+                each: pipeline("visibility_compute")?,
+                large: pipeline("visibility_compute_large")?,
+            })
+        })
+    }
+
+    /// The shading pipeline for a set of targets.
+    pub(crate) fn shading(&self, source: Source, set: TargetSet) -> Result<RenderPipeline> {
+        cached(&self.shading, (source, set), || {
+            let wgsl = link_shading(source, set).map_err(Error::failed)?;
+            let shader = self.gpu.shader("shading pass", &wgsl)?;
+            let targets: Vec<_> = set
+                .formats()
+                .map(|format| {
+                    Some(ColourTarget {
+                        format,
+                        blend: None,
+                    })
+                })
+                .collect();
+            let visible = match source {
+                Source::Ids => &self.ids_layout,
+                Source::Pixels => &self.visible_layout,
+            };
+            // The nearest surfel is known already: its depth replaces what is there.
+            let depth = DepthTest {
+                compare: Compare::ALWAYS,
+                ..DepthTest::NEARER
+            };
+            self.gpu.render_pipeline(&RenderPipelineOptions {
+                layouts: &[&self.frame_layout, &self.columns_layout, visible],
+                vertex: "shading_pass_vertex",
+                fragment: Some("shading_pass_fragment"),
+                depth: set.has_depth().then_some(depth),
+                targets: &targets,
+                ..RenderPipelineOptions::new("shading pass", &shader)
+            })
+        })
+    }
+
+    fn shader(&self, main: Module<'_>, features: &[&str]) -> Result<Shader> {
+        let wgsl = link(main, &[self.footprint.module()], features).map_err(Error::failed)?;
+        self.gpu.shader(main.path, &wgsl)
+    }
+}
+
+fn raster_features<'a>(footprint: &Footprint, features: &[&'a str], level: bool) -> Vec<&'a str> {
+    let varying = match footprint.varying {
+        Varying::Flat => "flat",
+        Varying::Linear => "linear",
+    };
+    features
+        .iter()
+        .copied()
+        .chain([varying])
+        .chain(level.then_some("level"))
+        .collect()
+}
+
+fn compute_features<'a>(features: &[&'a str], kernel: Kernel) -> Vec<&'a str> {
+    let variant = match kernel {
+        Kernel::Whole => Some("int64"),
+        Kernel::NearestDepth => Some("nearest_depth"),
+        Kernel::GreatestId => None,
+    };
+    features.iter().copied().chain(variant).collect()
+}
+
+fn link_shading(source: Source, set: TargetSet) -> Result<String, WgslError> {
+    let slots = set.slots_module();
+    let mut features = set.features();
+    if source == Source::Pixels {
+        features.push("pixels");
+    }
+    link(
+        SHADING_PASS,
+        &[Module::new("visibility::slots", &slots)],
+        &features,
+    )
+}
+
+/// Every variant of the passes that draw a footprint with these features, linked: a name, and the WGSL. For tests: a
+/// renderer validates them all without a device.
+///
+/// # Errors
+/// If one of them does not link.
+pub fn linked_variants(
+    footprint: &Footprint,
+    features: &[&str],
+) -> Result<Vec<(String, String)>, WgslError> {
+    let modules = [footprint.module()];
+    let raster = [false, true].into_iter().map(|level| {
+        let features = raster_features(footprint, features, level);
+        let wgsl = link(VISIBILITY_PASS, &modules, &features)?;
+        Ok((format!("{}, raster, {features:?}", footprint.name), wgsl))
+    });
+    let kernels = [Kernel::Whole, Kernel::NearestDepth, Kernel::GreatestId];
+    let compute = kernels.into_iter().map(|kernel| {
+        let wgsl = link(
+            VISIBILITY_COMPUTE,
+            &modules,
+            &compute_features(features, kernel),
+        )?;
+        Ok((
+            format!("{}, compute, {features:?}, {kernel:?}", footprint.name),
+            wgsl,
+        ))
+    });
+    raster.chain(compute).collect()
+}
+
+/// The value for a key, made on first use. A view that finds another making it waits: both need it.
+fn cached<K: Ord + Clone, V: Clone>(
+    cache: &Cache<K, V>,
+    key: K,
+    make: impl FnOnce() -> Result<V>,
+) -> Result<V> {
+    // A panic in `make` leaves the map as it was.
+    let mut cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(value) = cache.get(&key) {
+        return Ok(value.clone());
+    }
+    let value = make()?;
+    cache.insert(key, value.clone());
+    Ok(value)
+}
+
+/// Indices of quads of four vertices: upper left, upper right, lower left, lower right.
+fn quads(gpu: &Gpu) -> Result<Buffer> {
+    let indices: Vec<u32> = (0..QUADS_PER_INSTANCE)
+        .flat_map(|quad| [0, 1, 2, 2, 1, 3].map(|corner| 4 * quad + corner))
+        .collect();
+    gpu.buffer_with("quads", BufferUsage::INDEX, &indices)
+}
+
+#[cfg(test)]
+#[path = "pipelines_tests.rs"]
+mod tests;

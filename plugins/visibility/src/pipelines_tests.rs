@@ -1,0 +1,66 @@
+//! Every variant of every pass links and validates.
+
+use super::*;
+
+/// A footprint of one pixel, for tests of the passes alone.
+const PIXEL: &str = "
+    import lib::camera::{clip_from_view, pixel_from_clip, view_from_object};
+    import lib::surfel::{load_position_radius, surfel_number};
+    struct PixelUniform { depth_scale: f32 }
+    @group(2) @binding(0) var<uniform> settings: PixelUniform;
+    struct Footprint { number: u32, pixels: vec4i, depth: f32 }
+    fn footprint_of(index: u32) -> Footprint {
+        let number = surfel_number(index);
+        let clip = clip_from_view(view_from_object(load_position_radius(number).xyz));
+        let pixel = vec2i(pixel_from_clip(clip));
+        return Footprint(number, vec4i(pixel, pixel + vec2i(1)), settings.depth_scale * clip.z / clip.w);
+    }
+    fn footprint_covers(footprint: Footprint, pixel: vec2f) -> bool { return true; }
+    fn footprint_depth(footprint: Footprint, pixel: vec2f) -> f32 { return footprint.depth; }
+    fn footprint_flat(footprint: Footprint) -> vec3f { return vec3f(0.0); }
+    fn flat_covers(flat: vec3f, pixel: vec2f) -> bool { return true; }
+    fn footprint_linear(footprint: Footprint, pixel: vec2f) -> vec3f { return vec3f(0.0); }
+    fn linear_covers(linear: vec3f) -> bool { return true; }
+";
+
+fn footprint(varying: Varying) -> Footprint {
+    Footprint {
+        name: "pixel",
+        source: PIXEL,
+        varying,
+        uniform_size: 4,
+    }
+}
+
+fn validate(what: &str, wgsl: &str) {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+    let module = naga::front::wgsl::parse_str(wgsl)
+        .unwrap_or_else(|error| panic!("{what}: {}\n{wgsl}", error.emit_to_string(wgsl)));
+    Validator::new(ValidationFlags::all(), Capabilities::all())
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{what}: {}\n{wgsl}", error.emit_to_string(wgsl)));
+}
+
+#[test]
+fn every_visibility_variant_validates() {
+    for varying in [Varying::Flat, Varying::Linear] {
+        for (name, wgsl) in linked_variants(&footprint(varying), &[]).unwrap() {
+            validate(&name, &wgsl);
+        }
+    }
+}
+
+#[test]
+fn every_set_of_targets_shades() {
+    for set in TargetSet::each() {
+        let wgsl = link_shading(Source::Pixels, set).unwrap();
+        validate(&format!("pixels {set:?}"), &wgsl);
+        let colours_only = !set.has_depth() && set.formats().next().is_some();
+        if colours_only {
+            validate(
+                &format!("ids {set:?}"),
+                &link_shading(Source::Ids, set).unwrap(),
+            );
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The targets that a frame asks for, as attachments of the shading pass.
+
+use pointstage_plugin_api::abi::Format;
+use pointstage_plugin_api::{Frame, Target, targets};
+
+/// A colour attachment that shading can fill: the target's key, its format, its feature in the shader, its slot's name.
+struct Kind {
+    key: &'static str,
+    format: Format,
+    feature: &'static str,
+    slot: &'static str,
+}
+
+/// In the order of the slots.
+const KINDS: [Kind; 5] = [
+    Kind {
+        key: targets::COLOUR,
+        format: Format::RGBA16_FLOAT,
+        feature: "colour",
+        slot: "COLOUR_SLOT",
+    },
+    Kind {
+        key: targets::NORMAL,
+        format: Format::RGBA16_FLOAT,
+        feature: "normal",
+        slot: "NORMAL_SLOT",
+    },
+    Kind {
+        key: targets::KIND,
+        format: Format::R8_UINT,
+        feature: "kind",
+        slot: "KIND_SLOT",
+    },
+    Kind {
+        key: targets::LOD,
+        format: Format::R8_UINT,
+        feature: "level",
+        slot: "LEVEL_SLOT",
+    },
+    Kind {
+        key: targets::ID,
+        format: Format::R32_UINT,
+        feature: "id",
+        slot: "ID_SLOT",
+    },
+];
+
+/// The targets of a frame that this crate writes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Targets {
+    colours: [Option<Target>; KINDS.len()],
+    pub(crate) depth: Option<Target>,
+}
+
+/// Which targets a shading pipeline fills: a bit for each of `KINDS`, and one for depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TargetSet(u32);
+
+const LEVEL_INDEX: usize = 3;
+const ID_INDEX: usize = 4;
+const DEPTH_BIT: u32 = 1 << KINDS.len();
+/// What the raster path's visibility pass writes itself.
+const VISIBILITY_BITS: u32 = 1 << LEVEL_INDEX | 1 << ID_INDEX | DEPTH_BIT;
+
+impl Targets {
+    pub(crate) fn of(frame: &Frame<'_>) -> Self {
+        Self {
+            colours: KINDS.map(|kind| frame.target(kind.key)),
+            depth: frame.target(targets::DEPTH),
+        }
+    }
+
+    pub(crate) fn id(&self) -> Option<Target> {
+        self.colours[ID_INDEX]
+    }
+
+    pub(crate) fn level(&self) -> Option<Target> {
+        self.colours[LEVEL_INDEX]
+    }
+
+    /// All that is asked for: what shading fills after the compute path.
+    pub(crate) fn all(&self) -> TargetSet {
+        let colours = self
+            .colours
+            .iter()
+            .enumerate()
+            .filter(|(_, target)| target.is_some());
+        let bits = colours.fold(0, |bits, (index, _)| bits | 1 << index);
+        TargetSet(if self.depth.is_some() {
+            bits | DEPTH_BIT
+        } else {
+            bits
+        })
+    }
+
+    /// What shading fills after the raster path.
+    pub(crate) fn without_visibility(&self) -> TargetSet {
+        TargetSet(self.all().0 & !VISIBILITY_BITS)
+    }
+
+    /// The attachments of a set, in slot order.
+    pub(crate) fn attachments(&self, set: TargetSet) -> impl Iterator<Item = Target> + '_ {
+        set.indices().filter_map(|index| self.colours[index])
+    }
+}
+
+impl TargetSet {
+    fn indices(self) -> impl Iterator<Item = usize> {
+        (0..KINDS.len()).filter(move |index| self.0 & 1 << index != 0)
+    }
+
+    pub(crate) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    pub(crate) fn has_depth(self) -> bool {
+        self.0 & DEPTH_BIT != 0
+    }
+
+    /// Formats of the attachments, in slot order.
+    pub(crate) fn formats(self) -> impl Iterator<Item = Format> {
+        self.indices().map(|index| KINDS[index].format)
+    }
+
+    /// Features of the shading shader.
+    pub(crate) fn features(self) -> Vec<&'static str> {
+        let depth = self.has_depth().then_some("depth");
+        self.indices()
+            .map(|index| KINDS[index].feature)
+            .chain(depth)
+            .collect()
+    }
+
+    /// The WESL module `visibility::slots`: the attachment of each target. Targets outside the set get slot 0, which the
+    /// shader then does not use.
+    pub(crate) fn slots_module(self) -> String {
+        let slot = |index| {
+            self.indices()
+                .position(|other| other == index)
+                .unwrap_or_default()
+        };
+        let line = |(index, kind): (usize, &Kind)| {
+            format!("const {}: u32 = {}u;\n", kind.slot, slot(index))
+        };
+        KINDS.iter().enumerate().map(line).collect()
+    }
+
+    /// Every set that can occur.
+    #[cfg(test)]
+    pub(crate) fn each() -> impl Iterator<Item = Self> {
+        (1..DEPTH_BIT << 1).map(Self)
+    }
+}

@@ -1,0 +1,388 @@
+//! One viewport: buffers of the picture's size, and the frame.
+
+use crate::draws::DrawList;
+use crate::pipelines::{Kernel, Kernels, Prepared, Source};
+use crate::record::{record_compute, record_raster, record_shading};
+use crate::targets::Targets;
+use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
+use pointstage_plugin_api::gpu::{
+    AsHandle as _, BindGroup, Buffer, Gpu, Recorder, Texture, TextureOptions,
+};
+use pointstage_plugin_api::{Frame, Host, Outcome, Result, statistics};
+
+/// Which way the user wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// The faster one for the device, by [`AutoPath`].
+    Auto,
+    /// The raster pipeline.
+    Raster,
+    /// Compute kernels with atomics.
+    Compute,
+}
+
+impl Path {
+    /// From the id of a `path` setting's option; anything unknown is [`Path::Auto`].
+    pub fn from_id(id: &str) -> Self {
+        match id {
+            "raster" => Self::Raster,
+            "compute" => Self::Compute,
+            _ => Self::Auto,
+        }
+    }
+}
+
+/// What [`Path::Auto`] takes: compute on software devices always (measured on lavapipe: several times faster), and on
+/// others as this says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AutoPath {
+    /// Compute where one 64-bit maximum does it, for splats of few pixels.
+    ComputeWithInt64,
+    /// Raster, for splats of many pixels.
+    Raster,
+}
+
+/// How a renderer wants a frame drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// Raster or compute.
+    pub path: Path,
+    /// What `Auto` means for this renderer.
+    pub auto: AutoPath,
+    /// Features of the footprint's module.
+    pub features: &'a [&'static str],
+    /// The footprint's uniform, of the size that [`crate::Footprint`] says.
+    pub uniform: &'a [u8],
+}
+
+/// `BlockUniform` of the shading pass (first id, number of ids), padded to an offset that every device accepts.
+type BlockUniform = [u32; 64];
+
+/// Bytes from one block's uniform to the next.
+pub(crate) const BLOCK_STRIDE: u32 = size_of::<BlockUniform>() as u32;
+/// Large surfels of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
+const LARGE_COUNT: u64 = 65_535;
+
+/// Own targets of the raster path, where the host did not ask for them.
+pub(crate) struct RasterBuffers {
+    size_px: [u32; 2],
+    pub(crate) ids: Texture,
+    pub(crate) depth: Texture,
+}
+
+/// Buffers of the compute path.
+pub(crate) struct ComputeBuffers {
+    pixel_count: u64,
+    pub(crate) pixels: Buffer,
+    pub(crate) large: Buffer,
+    /// Arguments of the large kernel's dispatch.
+    pub(crate) arguments: Buffer,
+    pub(crate) group: BindGroup,
+}
+
+struct BlockUniforms {
+    capacity: usize,
+    buffer: Buffer,
+}
+
+/// Group 2 of shading, for what it was made of.
+struct ShadingGroup {
+    visible: Handle,
+    blocks: Handle,
+    group: BindGroup,
+}
+
+/// A renderer in one viewport.
+pub struct VisibilityView {
+    host: Host,
+    uniform: Buffer,
+    pub(crate) footprint_group: BindGroup,
+    pub(crate) raster: Option<RasterBuffers>,
+    pub(crate) compute: Option<ComputeBuffers>,
+    blocks: Option<BlockUniforms>,
+    shading_group: Option<ShadingGroup>,
+    warned: bool,
+}
+
+impl VisibilityView {
+    /// Makes what one viewport needs.
+    ///
+    /// # Errors
+    /// If the device refuses a resource.
+    pub fn new(host: &Host, prepared: &Prepared) -> Result<Self> {
+        let gpu = &prepared.gpu;
+        let usage = BufferUsage::UNIFORM | BufferUsage::COPY_DST;
+        let uniform = gpu.buffer("footprint", prepared.footprint.uniform_size, usage)?;
+        let footprint_group =
+            gpu.bind_group("footprint", &prepared.footprint_layout, &[(0, &uniform)])?;
+        Ok(Self {
+            host: host.clone(),
+            uniform,
+            footprint_group,
+            raster: None,
+            compute: None,
+            blocks: None,
+            shading_group: None,
+            warned: false,
+        })
+    }
+
+    /// Draws a frame's selection into the targets that were asked for.
+    ///
+    /// # Errors
+    /// If the device refuses a resource or a shader.
+    pub fn render(
+        &mut self,
+        prepared: &Prepared,
+        frame: &mut Frame<'_>,
+        request: &Request<'_>,
+    ) -> Result<Outcome> {
+        let list = DrawList::of(frame);
+        let targets = Targets::of(frame);
+        if list.draws.is_empty() || targets.all().is_empty() {
+            return Ok(Outcome::Done);
+        }
+        let gpu = &prepared.gpu;
+        gpu.write(&self.uniform, 0, request.uniform)?;
+        let blocks = self.write_blocks(gpu, &list)?;
+
+        let by_compute = self.takes_compute(gpu, frame.size_px(), request, &list, &targets);
+        let mut recorder = Recorder::new();
+        let (source, set, visible) = if by_compute {
+            let kernels = compute_kernels(prepared, request)?;
+            self.ready_compute(prepared, frame.size_px())?;
+            let visible = record_compute(&mut recorder, self, frame.group(), &list, &kernels)?;
+            (Source::Pixels, targets.all(), visible)
+        } else {
+            self.ready_raster(gpu, frame.size_px())?;
+            let pipeline = prepared.raster(request.features, targets.level().is_some())?;
+            let visible = record_raster(
+                &mut recorder,
+                self,
+                prepared,
+                frame.group(),
+                &list,
+                &targets,
+                &pipeline,
+            )?;
+            (Source::Ids, targets.without_visibility(), visible)
+        };
+        if !set.is_empty() {
+            let pipeline = prepared.shading(source, set)?;
+            let group = self.shading_group(prepared, source, visible, &blocks)?;
+            record_shading(
+                &mut recorder,
+                &group,
+                frame.group(),
+                &list,
+                &targets,
+                set,
+                &pipeline,
+            );
+        }
+        frame.submit(recorder);
+        frame.report(statistics::SURFELS_SELECTED, list.surfel_count as f64);
+        frame.report(statistics::PATH, f64::from(u8::from(by_compute)));
+        Ok(Outcome::Done)
+    }
+
+    /// Whether the compute path draws this frame.
+    fn takes_compute(
+        &mut self,
+        gpu: &Gpu,
+        size_px: [u32; 2],
+        request: &Request<'_>,
+        list: &DrawList,
+        targets: &Targets,
+    ) -> bool {
+        let wanted = match (request.path, request.auto) {
+            (Path::Raster, _) => false,
+            (Path::Compute, _) => true,
+            (Path::Auto, AutoPath::ComputeWithInt64) => gpu.is_software() || has_int64(gpu),
+            (Path::Auto, AutoPath::Raster) => gpu.is_software(),
+        };
+        if !wanted {
+            return false;
+        }
+        let limit = gpu
+            .limit("max_storage_buffer_binding_size")
+            .unwrap_or(128 << 20);
+        let obstacle = if pixel_bytes(size_px) > limit {
+            "the picture has more pixels than a storage buffer of this device holds"
+        } else if list.mixes_levels && targets.level().is_some() {
+            "the 'lod' target is asked for, and draws of one block have different levels"
+        } else {
+            return true;
+        };
+        if request.path == Path::Compute && !self.warned {
+            self.warned = true;
+            self.host.performance_warning(&format!(
+                "drawn by the raster path, not by compute: {obstacle}"
+            ));
+        }
+        false
+    }
+
+    /// Textures of the raster path, of this size.
+    fn ready_raster(&mut self, gpu: &Gpu, size_px: [u32; 2]) -> Result<()> {
+        if self
+            .raster
+            .as_ref()
+            .is_some_and(|buffers| buffers.size_px == size_px)
+        {
+            return Ok(());
+        }
+        let texture = |label, format| {
+            gpu.texture(&TextureOptions {
+                label,
+                size: size_px,
+                layers: 1,
+                mip_level_count: 1,
+                format,
+                usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
+            })
+        };
+        self.raster = Some(RasterBuffers {
+            size_px,
+            ids: texture("visible ids", Format::R32_UINT)?,
+            depth: texture("depth", Format::DEPTH32_FLOAT)?,
+        });
+        Ok(())
+    }
+
+    /// Buffers of the compute path, for a picture of this size.
+    fn ready_compute(&mut self, prepared: &Prepared, size_px: [u32; 2]) -> Result<()> {
+        let bytes = pixel_bytes(size_px);
+        if self
+            .compute
+            .as_ref()
+            .is_some_and(|buffers| buffers.pixel_count == bytes)
+        {
+            return Ok(());
+        }
+        let gpu = &prepared.gpu;
+        let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
+        let pixels = gpu.buffer("visible pixels", bytes, storage)?;
+        let large = gpu.buffer(
+            "large surfels",
+            4 * (3 + LARGE_COUNT),
+            storage | BufferUsage::COPY_SRC,
+        )?;
+        // Workgroups in x come from the count, one in y and z.
+        let arguments = gpu.buffer_with("large dispatch", BufferUsage::INDIRECT, &[0_u32, 1, 1])?;
+        let group = gpu.bind_group(
+            "visible pixels",
+            &prepared.pixels_layout,
+            &[(0, &pixels), (1, &large)],
+        )?;
+        self.compute = Some(ComputeBuffers {
+            pixel_count: bytes,
+            pixels,
+            large,
+            arguments,
+            group,
+        });
+        Ok(())
+    }
+
+    /// Writes the blocks' id ranges; the buffer with them.
+    fn write_blocks(&mut self, gpu: &Gpu, list: &DrawList) -> Result<Buffer> {
+        let uniforms: Vec<_> = list
+            .blocks
+            .iter()
+            .map(|block| {
+                let mut uniform: BlockUniform = [0; 64];
+                uniform[0] = block.id_base;
+                uniform[1] = block.id_count;
+                uniform
+            })
+            .collect();
+        let buffer = match &self.blocks {
+            Some(blocks) if blocks.capacity >= uniforms.len() => blocks.buffer.clone(),
+            _ => {
+                let capacity = uniforms.len().next_power_of_two();
+                let bytes = capacity as u64 * u64::from(BLOCK_STRIDE);
+                let buffer = gpu.buffer(
+                    "blocks",
+                    bytes,
+                    BufferUsage::UNIFORM | BufferUsage::COPY_DST,
+                )?;
+                self.blocks = Some(BlockUniforms {
+                    capacity,
+                    buffer: buffer.clone(),
+                });
+                buffer
+            }
+        };
+        gpu.write(&buffer, 0, &uniforms)?;
+        Ok(buffer)
+    }
+
+    /// Group 2 of shading. The view keeps it, since the host replays commands after `render`.
+    fn shading_group(
+        &mut self,
+        prepared: &Prepared,
+        source: Source,
+        visible: Handle,
+        blocks: &Buffer,
+    ) -> Result<BindGroup> {
+        let blocks = blocks.as_handle();
+        if let Some(kept) = &self.shading_group
+            && kept.visible == visible
+            && kept.blocks == blocks
+        {
+            return Ok(kept.group.clone());
+        }
+        let layout = match source {
+            Source::Ids => &prepared.ids_layout,
+            Source::Pixels => &prepared.visible_layout,
+        };
+        let entries = [
+            abi::BindingRecord {
+                binding: 0,
+                resource: visible,
+                ..Default::default()
+            },
+            abi::BindingRecord {
+                binding: 1,
+                resource: blocks,
+                offset: 0,
+                size: u64::from(BLOCK_STRIDE),
+            },
+        ];
+        let group = prepared.gpu.bind_group_from(&abi::BindGroupDescriptor {
+            label: "visible".into(),
+            layout: layout.handle(),
+            entries: entries.as_slice().into(),
+        })?;
+        self.shading_group = Some(ShadingGroup {
+            visible,
+            blocks,
+            group: group.clone(),
+        });
+        Ok(group)
+    }
+}
+
+/// The kernels of a frame, in order: one where 64 bits hold depth and id, else one after the other.
+fn compute_kernels(prepared: &Prepared, request: &Request<'_>) -> Result<Vec<Kernels>> {
+    let kernels: &[_] = if has_int64(&prepared.gpu) {
+        &[Kernel::Whole]
+    } else {
+        &[Kernel::NearestDepth, Kernel::GreatestId]
+    };
+    kernels
+        .iter()
+        .map(|&kernel| prepared.compute(request.features, kernel))
+        .collect()
+}
+
+/// Whether one 64-bit maximum can hold depth and id.
+fn has_int64(gpu: &Gpu) -> bool {
+    gpu.has_feature("shader-int64") && gpu.has_feature("shader-int64-atomic-min-max")
+}
+
+/// Bytes of the compute path's pixels: id and depth.
+fn pixel_bytes([width, height]: [u32; 2]) -> u64 {
+    8 * u64::from(width) * u64::from(height)
+}
