@@ -10,8 +10,10 @@ pub const NORMAL: &str = "normal";
 pub const ID: &str = "id";
 /// Sum of weights: r16float.
 pub const WEIGHT: &str = "weight";
-/// Level of detail, 0 the root: r8uint.
+/// Level of detail, 0 the root, [`NO_LEVEL`] where nothing was drawn: r8uint.
 pub const LOD: &str = "lod";
+/// What the `lod` target is cleared to; a renderer that clears it itself does the same.
+pub const NO_LEVEL: u32 = 255;
 /// What the pixel shows: [`kind`]; r8uint.
 pub const KIND: &str = "kind";
 /// Fragments per pixel: r16uint.

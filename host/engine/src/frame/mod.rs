@@ -7,6 +7,7 @@
 //!
 //! Nothing is dithered: the same targets give the same bytes, every time and everywhere, which comparisons rely on.
 
+pub mod compose;
 pub mod compose_cpu;
 mod composition;
 mod cpu_targets;
@@ -15,13 +16,19 @@ pub mod fallback;
 pub mod legend;
 pub mod lighting;
 mod palette;
+mod passes;
 pub mod pick;
 mod picture;
+mod readback;
 mod srgb;
+mod target_set;
 pub mod targets;
+#[cfg(test)]
+mod twin_tests;
 
 pub use composition::{Composed, Composition};
 pub use cpu_targets::{CpuPlane, CpuTargets, PlaneValues};
 pub use depth::eye_distance;
 pub use picture::{Background, Picture, Plane, Show};
+pub use target_set::{Fit, GpuTarget, TargetSet};
 pub use targets::{Appearance, PlaneFormat, TargetSpec, TargetSpecError};

@@ -4,7 +4,7 @@
 //! |---|---|---|---|---|
 //! | `colour` | rgba16float | f32×4 | 0 | linear light, premultiplied by coverage |
 //! | `depth` | depth32float | f32 | 0 | reversed z, unshifted: 1 at the near plane, 0 where nothing is |
-//! | `normal` | rgba16float | f32×4 | 0 | unit normal in view space; the fourth component is not used |
+//! | `normal` | rgba16float | f32×4 | 0 | unit normal in view space, and 1 where there is one |
 //! | `id` | r32uint | u32 | 0 | surfel id of the frame's id table, 0 where nothing is |
 //! | `weight` | r16float | f32 | 0 | sum of the weights that were blended |
 //! | `lod` | r8uint | u32 | 255 | level in the structure's tree, 0 the root, 255 where nothing is |
@@ -16,6 +16,9 @@
 use std::borrow::Cow;
 
 use pointstage_plugin_api::abi::Format;
+pub use pointstage_plugin_api::targets::{
+    COLOUR, DEPTH, ID, KIND, LOD, NO_LEVEL, NORMAL, OVERDRAW, WEIGHT, kind,
+};
 
 /// Everything that is the same for all frames about one target.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,38 +101,6 @@ pub enum TargetSpecError {
         /// The first component that does not fit.
         value: f64,
     },
-}
-
-/// Key of the colour target.
-pub const COLOUR: &str = "colour";
-/// Key of the depth target.
-pub const DEPTH: &str = "depth";
-/// Key of the normal target.
-pub const NORMAL: &str = "normal";
-/// Key of the id target.
-pub const ID: &str = "id";
-/// Key of the weight target.
-pub const WEIGHT: &str = "weight";
-/// Key of the level-of-detail target.
-pub const LOD: &str = "lod";
-/// Key of the target that tells surfels from triangles and lines.
-pub const KIND: &str = "kind";
-/// Key of the overdraw target.
-pub const OVERDRAW: &str = "overdraw";
-
-/// What the `lod` target holds where nothing is drawn: 0 is the root's level.
-pub const NO_LEVEL: u32 = 255;
-
-/// Values of the `kind` target.
-pub mod kinds {
-    /// Nothing was drawn here.
-    pub const NOTHING: u32 = 0;
-    /// A surfel.
-    pub const SURFEL: u32 = 1;
-    /// A triangle.
-    pub const TRIANGLE: u32 = 2;
-    /// A line.
-    pub const LINE: u32 = 3;
 }
 
 const fn host_target(

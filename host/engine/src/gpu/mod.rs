@@ -29,3 +29,13 @@ pub use handles::Owner;
 pub use replay::Replay;
 pub use service::GpuService;
 pub use timing::{PassTime, PassTimes, Timings};
+
+/// wgpu's name for a texel format of the border.
+///
+/// # Errors
+/// The number is not known to this host.
+pub(crate) fn texture_format(
+    format: pointstage_plugin_api::abi::Format,
+) -> Result<wgpu::TextureFormat, crate::device::GpuError> {
+    convert::format(format)
+}

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::super::cpu_targets::{CpuTargets, PlaneValues};
 use super::super::lighting::{facing, phong, towards_eye};
 use super::super::srgb::linear_from_srgb8;
-use super::super::targets::{COLOUR, DEPTH, ID, KIND, LOD, NO_LEVEL, NORMAL, kinds};
+use super::super::targets::{COLOUR, DEPTH, ID, KIND, LOD, NO_LEVEL, NORMAL, kind};
 use super::draws::{Draw, Draws};
 use super::splat::Screen;
 use super::visibility::VisibilityBuffer;
@@ -44,8 +44,8 @@ pub(super) fn shade(
             if let Some(id) = &mut row.id {
                 id[x] = draw.id_base.wrapping_add(number);
             }
-            if let Some(kind) = &mut row.kind {
-                kind[x] = kinds::SURFEL;
+            if let Some(kinds) = &mut row.kind {
+                kinds[x] = kind::SURFEL;
             }
             if let Some(lod) = &mut row.lod {
                 lod[x] = draw.level.min(NO_LEVEL - 1);
@@ -58,7 +58,7 @@ pub(super) fn shade(
             let eye = towards_eye(position_view, frame);
             let normal_view = normal_view(draw, number, eye);
             if let Some(normal) = &mut row.normal {
-                normal[x] = normal_view.unwrap_or(Vec3::ZERO).extend(0.0).to_array();
+                normal[x] = normal_view.map_or([0.0; 4], |normal| normal.extend(1.0).to_array());
             }
             if let Some(colour) = &mut row.colour {
                 // Without a normal the surfel faces the eye, as its disc does.

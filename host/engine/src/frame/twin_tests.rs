@@ -1,0 +1,521 @@
+//! The passes on the device against their CPU twin, on random targets.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use glam::Mat4;
+use half::f16;
+use pointstage_plugin_api::abi::Format;
+use pointstage_scene::{Camera, Projection};
+
+use super::compose::{ComposeError, Composer};
+use super::cpu_targets::{CpuTargets, PlaneValues};
+use super::targets::{DEPTH, HOST_TARGETS, ID, PlaneFormat};
+use super::{Background, Composition, Fit, GpuTarget, TargetSet, TargetSpec, compose_cpu};
+use crate::device::{Backend, DeviceOptions, GpuDevice};
+
+const TIMEOUT: Duration = Duration::from_mins(1);
+
+/// The devices of this machine, one an interface; a line for each that is missing.
+fn devices() -> Vec<Arc<GpuDevice>> {
+    let open = |backend| {
+        let options = DeviceOptions {
+            backend: Some(backend),
+            adapter: None,
+        };
+        GpuDevice::open(&options)
+            .inspect_err(|error| eprintln!("skipped: {error}"))
+            .ok()
+    };
+    [Backend::Vulkan, Backend::Gl]
+        .into_iter()
+        .filter_map(open)
+        .collect()
+}
+
+/// A small generator with a fixed seed: xorshift (Marsaglia 2003).
+struct Random(u32);
+
+impl Random {
+    fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0
+    }
+
+    fn unit(&mut self) -> f32 {
+        (self.bits() >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// Mostly plain values, now and then one that is zero, above 1, negative or not finite.
+    fn float(&mut self) -> f32 {
+        match self.bits() % 16 {
+            0 => 0.0,
+            1 => 1.0,
+            2 => 1.0 + 4.0 * self.unit(),
+            3 => -self.unit(),
+            4 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e-7][self.bits() as usize % 4],
+            _ => self.unit(),
+        }
+    }
+}
+
+/// All the host's targets and some declared ones, more than one clearing pass takes; but for formats that the device
+/// cannot draw into.
+fn specs(gpu: &GpuDevice) -> Vec<TargetSpec> {
+    let declared = [
+        ("curvature", Format::R32_FLOAT, [-0.5, 0.0, 0.0, 0.0]),
+        ("error", Format::R16_FLOAT, [0.1, 0.0, 0.0, 0.0]),
+        ("mask", Format::R8_UNORM, [0.2, 0.0, 0.0, 0.0]),
+        ("albedo", Format::RGBA16_FLOAT, [0.25, 0.5, 0.75, 1.0]),
+        ("part", Format::R16_UINT, [7.0, 0.0, 0.0, 0.0]),
+    ];
+    let declared = declared
+        .map(|(key, format, clear)| TargetSpec::declared(key, format, clear, "for tests").unwrap());
+    let drawable = |spec: &TargetSpec| {
+        let one = core::slice::from_ref(spec);
+        let fit = TargetSet::default().fit(gpu, [1, 1], one);
+        if let Err(error) = &fit {
+            eprintln!("skipped: {error}");
+        }
+        fit.is_ok()
+    };
+    let all = HOST_TARGETS.iter().cloned().chain(declared);
+    all.filter(drawable).collect()
+}
+
+/// Planes with random values that the targets' formats hold exactly.
+fn random_planes(gpu: &GpuDevice, size_px: [u32; 2], seed: u32) -> CpuTargets {
+    let mut random = Random(seed);
+    let mut planes = CpuTargets::new(size_px, &specs(gpu));
+    for plane in planes.planes_mut() {
+        let format = plane.spec.format;
+        match &mut plane.values {
+            PlaneValues::Float(values) => values.iter_mut().for_each(|value| {
+                // A third of the pixels stays untouched.
+                if random.unit() < 0.67 {
+                    *value = match format {
+                        Format::DEPTH32_FLOAT => random.unit(),
+                        Format::R8_UNORM => (random.bits() % 256) as f32 / 255.0,
+                        Format::R32_FLOAT => random.float(),
+                        _ => f16::from_f32(random.float()).to_f32(),
+                    };
+                } else if format == Format::R16_FLOAT {
+                    *value = f16::from_f32(*value).to_f32();
+                }
+            }),
+            PlaneValues::Uint(values) => values.iter_mut().for_each(|value| {
+                if random.unit() < 0.67 {
+                    *value = match format {
+                        Format::R8_UINT => random.bits() % 6,
+                        Format::R16_UINT => random.bits() % 300,
+                        _ => random.bits(),
+                    };
+                }
+            }),
+        }
+    }
+    planes
+}
+
+/// The texels of a plane in the texture's format.
+fn texels(format: Format, values: &PlaneValues) -> Vec<u8> {
+    match values {
+        PlaneValues::Float(values) => match format {
+            Format::R8_UNORM => values
+                .iter()
+                .map(|value| (value * 255.0).round() as u8)
+                .collect(),
+            Format::R32_FLOAT | Format::DEPTH32_FLOAT => bytemuck::cast_slice(values).to_vec(),
+            _ => values
+                .iter()
+                .flat_map(|value| f16::from_f32(*value).to_le_bytes())
+                .collect(),
+        },
+        PlaneValues::Uint(values) => match format {
+            Format::R8_UINT => values.iter().map(|value| *value as u8).collect(),
+            Format::R16_UINT => values
+                .iter()
+                .flat_map(|value| (*value as u16).to_le_bytes())
+                .collect(),
+            _ => bytemuck::cast_slice(values).to_vec(),
+        },
+    }
+}
+
+fn write_texture(gpu: &GpuDevice, texture: &wgpu::Texture, texels: &[u8]) {
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        texels,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(texels.len() as u32 / texture.height()),
+            rows_per_image: None,
+        },
+        texture.size(),
+    );
+}
+
+/// Depth textures cannot be written to; this draws one from floats.
+fn draw_depth(gpu: &GpuDevice, target: &GpuTarget, texels: &[u8]) {
+    let size = target.texture.size();
+    let source = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("depths"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    write_texture(gpu, &source, texels);
+    let module = gpu
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("draw depth"),
+            source: wgpu::ShaderSource::Wgsl(
+                "@group(0) @binding(0) var depths: texture_2d<f32>;
+             @vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+                 return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+             }
+             @fragment fn depth(@builtin(position) p: vec4f) -> @builtin(frag_depth) f32 {
+                 return textureLoad(depths, vec2u(p.xy), 0).x;
+             }"
+                .into(),
+            ),
+        });
+    let layout = gpu
+        .device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: None,
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            }],
+        });
+    let pipeline_layout = gpu
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+    let pipeline = gpu
+        .device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("draw depth"),
+            layout: Some(&pipeline_layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("corner"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: wgpu::TextureFormat::Depth32Float,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Always),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("depth"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::TextureView(
+                &source.create_view(&wgpu::TextureViewDescriptor::default()),
+            ),
+        }],
+    });
+    let mut encoder = gpu
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("draw depth"),
+        color_attachments: &[],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &target.view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    });
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.draw(0..3, 0..1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+}
+
+/// The same values on the device.
+fn upload(gpu: &GpuDevice, planes: &CpuTargets) -> TargetSet {
+    let mut targets = TargetSet::default();
+    let fit = targets.fit(gpu, planes.size_px(), &specs(gpu)).unwrap();
+    assert_eq!(fit, Fit::Changed);
+    for plane in planes.planes() {
+        let target = targets.get(&plane.spec.key).unwrap();
+        let texels = texels(plane.spec.format, &plane.values);
+        if plane.spec.format == Format::DEPTH32_FLOAT {
+            draw_depth(gpu, target, &texels);
+        } else {
+            write_texture(gpu, &target.texture, &texels);
+        }
+    }
+    targets
+}
+
+fn composition(shown: &TargetSpec, background: Background, clip_from_view: Mat4) -> Composition {
+    Composition {
+        shown: shown.clone(),
+        background,
+        exposure: 1.25,
+        clip_from_view,
+        tile_origin_y_px: 3.0,
+        image_height_px: 50.0,
+    }
+}
+
+/// Both projections; the near plane is far enough for depths of 0..1 to spread over the ramp.
+fn projections() -> [Mat4; 2] {
+    let perspective = Projection::Perspective { fov_y_rad: 0.7 };
+    [perspective, Projection::Orthographic { height: 2.0 }].map(|projection| {
+        let camera = Camera {
+            projection,
+            near: 0.5,
+            far: 8.0,
+            ..Camera::default()
+        };
+        camera.clip_from_view(1.0).as_mat4()
+    })
+}
+
+#[test]
+fn every_target_looks_the_same_on_the_device_and_on_the_cpu() {
+    let backgrounds = [
+        Background::Transparent,
+        Background::Solid([0.2, 0.4, 0.9]),
+        Background::Gradient([0.0, 0.1, 0.2], [1.0, 0.9, 0.8]),
+    ];
+    for gpu in devices() {
+        let mut composer = Composer::new(Arc::clone(&gpu)).unwrap();
+        let shown = specs(&gpu);
+        for (seed, size_px) in [(1, [1, 1]), (2, [63, 5]), (3, [65, 33])] {
+            let planes = random_planes(&gpu, size_px, seed);
+            let targets = upload(&gpu, &planes);
+            for shown in &shown {
+                for (background, clip_from_view) in
+                    backgrounds.iter().zip(projections().iter().cycle())
+                {
+                    let composition = composition(shown, *background, *clip_from_view);
+                    let cpu = compose_cpu::compose(&planes, &composition).unwrap();
+                    let device = composer.compose(&targets, &composition, &[], TIMEOUT);
+                    let device = device.unwrap().composed;
+                    let what = format!("{} {size_px:?} {background:?}", shown.key);
+                    let pairs = core::iter::zip(&*cpu.picture.rgba, &*device.picture.rgba);
+                    let worst = pairs.map(|(cpu, device)| cpu.abs_diff(*device)).max();
+                    assert_eq!(cpu.picture.rgba.len(), device.picture.rgba.len());
+                    assert!(worst <= Some(1), "{what}: off by {worst:?} of 255");
+                    match (cpu.range, device.range) {
+                        (None, None) => {}
+                        (Some(cpu), Some(device)) => {
+                            let close = |(cpu, device): (f32, f32)| {
+                                (cpu - device).abs() <= 1e-5 * cpu.abs()
+                            };
+                            assert!(
+                                cpu.into_iter().zip(device).all(close),
+                                "{what}: {cpu:?} {device:?}"
+                            );
+                        }
+                        ranges => panic!("{what}: {ranges:?}"),
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn targets_come_back_as_they_are_in_bands_too() {
+    for gpu in devices() {
+        let size_px = [37, 29];
+        let planes = random_planes(&gpu, size_px, 4);
+        let targets = upload(&gpu, &planes);
+        let keys: Vec<String> = specs(&gpu)
+            .iter()
+            .map(|spec| spec.key.to_string())
+            .collect();
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+        let composition = composition(&HOST_TARGETS[0], Background::Transparent, Mat4::IDENTITY);
+        let mut composer = Composer::new(Arc::clone(&gpu)).unwrap();
+        let whole = composer
+            .compose(&targets, &composition, &keys, TIMEOUT)
+            .unwrap();
+        for key in keys.iter().copied() {
+            let [expected, found] = [planes.read(key).unwrap(), whole.planes[key].clone()];
+            // Bits, since NaN is equal to nothing; but bytes where a driver divides by 255 in its own way.
+            let [expected, found] = match key {
+                "mask" => [bytes(&expected), bytes(&found)],
+                _ => [bits(&expected), bits(&found)],
+            };
+            assert!(expected == found, "{key}");
+        }
+        // Three rows of four floats at once.
+        composer.limit_bands(37 * 16 * 3);
+        let banded = composer
+            .compose(&targets, &composition, &keys, TIMEOUT)
+            .unwrap();
+        assert!(banded.composed == whole.composed, "the picture differs");
+        for key in keys {
+            assert!(
+                bits(&banded.planes[key]) == bits(&whole.planes[key]),
+                "{key}"
+            );
+        }
+    }
+}
+
+fn bytes(plane: &super::Plane) -> Vec<u32> {
+    match plane {
+        super::Plane::Float { values, .. } => values
+            .iter()
+            .map(|value| (value * 255.0).round() as u32)
+            .collect(),
+        super::Plane::Uint(values) => values.to_vec(),
+    }
+}
+
+fn bits(plane: &super::Plane) -> Vec<u32> {
+    match plane {
+        super::Plane::Float { values, .. } => values
+            .iter()
+            .map(|value| {
+                if value.is_nan() {
+                    u32::MAX
+                } else {
+                    value.to_bits()
+                }
+            })
+            .collect(),
+        super::Plane::Uint(values) => values.to_vec(),
+    }
+}
+
+#[test]
+fn cleared_targets_hold_their_clear_values() {
+    for gpu in devices() {
+        let size_px = [5, 3];
+        let mut targets = upload(&gpu, &random_planes(&gpu, size_px, 5));
+        assert_eq!(targets.fit(&gpu, size_px, &specs(&gpu)), Ok(Fit::Kept));
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        targets.clear(&gpu, &mut encoder);
+        gpu.queue.submit([encoder.finish()]);
+        let expected = CpuTargets::new(size_px, &specs(&gpu));
+        let mut composer = Composer::new(Arc::clone(&gpu)).unwrap();
+        for spec in &specs(&gpu) {
+            let composition = composition(spec, Background::Solid([0.0; 3]), Mat4::IDENTITY);
+            let frame = composer
+                .compose(&targets, &composition, &[&spec.key], TIMEOUT)
+                .unwrap();
+            let plane = &frame.planes[&*spec.key];
+            match (expected.floats(&spec.key), plane) {
+                (Some(expected), super::Plane::Float { values, .. }) => {
+                    let close = |(a, b): (&f32, &f32)| (a - b).abs() <= 1.0 / 255.0;
+                    assert!(expected.iter().zip(&**values).all(close), "{}", spec.key);
+                }
+                _ => assert_eq!(
+                    Some(plane),
+                    expected.read(&spec.key).as_ref(),
+                    "{}",
+                    spec.key
+                ),
+            }
+            // Nothing is drawn, so that ramps have no ends, whatever the format rounded.
+            assert_eq!(frame.composed.range, None, "{}", spec.key);
+        }
+    }
+}
+
+#[test]
+fn fitting_keeps_what_fits_and_refuses_what_no_device_can() {
+    for gpu in devices() {
+        let mut targets = TargetSet::default();
+        targets.fit(&gpu, [8, 4], &HOST_TARGETS[..3]).unwrap();
+        let texture = |targets: &TargetSet, key| targets.get(key).unwrap().texture.clone();
+        let depth = texture(&targets, DEPTH);
+        assert_eq!(targets.bytes(), 8 * 4 * (8 + 4 + 8));
+        assert_eq!(
+            targets.fit(&gpu, [8, 4], &HOST_TARGETS[..4]),
+            Ok(Fit::Changed)
+        );
+        assert_eq!(
+            texture(&targets, DEPTH),
+            depth,
+            "another target came, depth stays"
+        );
+        assert_eq!(
+            targets.fit(&gpu, [9, 4], &HOST_TARGETS[..4]),
+            Ok(Fit::Changed)
+        );
+        assert_ne!(texture(&targets, DEPTH), depth, "another size");
+        for size_px in [[0, 4], [4, 0], [1 << 20, 4]] {
+            let error = targets.fit(&gpu, size_px, &HOST_TARGETS[..4]).unwrap_err();
+            assert!(error.to_string().contains("px a side"), "{error}");
+        }
+        assert_eq!(targets.size_px(), [9, 4], "an error changes nothing");
+    }
+}
+
+#[test]
+fn a_target_that_is_not_there_is_named_with_those_that_are() {
+    let Some(gpu) = devices().pop() else { return };
+    let mut targets = TargetSet::default();
+    targets.fit(&gpu, [4, 4], &HOST_TARGETS[..2]).unwrap();
+    let mut composer = Composer::new(Arc::clone(&gpu)).unwrap();
+    let composition = composition(&HOST_TARGETS[0], Background::Transparent, Mat4::IDENTITY);
+    let error = composer
+        .compose(&targets, &composition, &[ID], TIMEOUT)
+        .unwrap_err();
+    assert!(matches!(&error, ComposeError::NoTarget { key, .. } if key == ID));
+    assert!(error.to_string().contains("colour, depth"), "{error}");
+}
+
+#[test]
+fn plane_formats_are_those_that_the_passes_read() {
+    let Some(gpu) = devices().pop() else { return };
+    for spec in specs(&gpu) {
+        let format = crate::gpu::texture_format(spec.format).unwrap();
+        let sample_type = format.sample_type(None, None);
+        let reads_numbers = matches!(sample_type, Some(wgpu::TextureSampleType::Uint));
+        assert_eq!(
+            spec.plane_format() == PlaneFormat::Uint,
+            reads_numbers,
+            "{}",
+            spec.key
+        );
+    }
+}
