@@ -16,13 +16,13 @@ mod create;
 mod features;
 mod handles;
 mod object;
-mod pass;
 mod pipelines;
 mod replay;
 mod service;
 mod shader;
 mod tickets;
 mod timing;
+mod walk;
 mod write;
 
 pub use handles::Owner;

@@ -2,9 +2,9 @@
 
 use super::Owner;
 use super::object::catching;
-use super::pass::{Encoded, Walk};
 use super::service::{Caller, GpuService};
 use super::timing::{PassTimes, Queries, Timing, Timings};
+use super::walk::{Encoded, PendingReadBack, Walk};
 use crate::device::{GpuDevice, GpuError};
 use pointstage_plugin_api::abi::commands::{CommandListRecord, DecodeError};
 use std::sync::Arc;
@@ -66,6 +66,24 @@ impl GpuService {
         })
     }
 
+    /// Checks the commands of an owner without running them.
+    ///
+    /// # Errors
+    ///
+    /// As [`replay`](Self::replay), but for what only the submission would find.
+    pub fn check(&self, owner: Owner, list: &CommandListRecord) -> Result<(), GpuError> {
+        catching(|| {
+            self.gpu.check_alive()?;
+            let caller = self.caller(owner)?;
+            let mut outcome = Ok(());
+            let scope = self.gpu.scoped(|| {
+                outcome = self.encode(&caller, list, None).map(drop);
+            });
+            outcome?;
+            scope.map_err(|error| self.locate(&caller, list, error))
+        })
+    }
+
     pub(super) fn run(
         &self,
         caller: &Caller,
@@ -117,15 +135,23 @@ impl GpuService {
             commands,
             passes,
             read_backs,
-        } = {
-            let table = self.read();
-            let mut walk = Walk::new(&self.gpu, &table, caller, queries);
-            steps(&mut walk, list, list.commands.len())?;
-            walk.finish()
-                .map_err(|error| error.at("the end of the commands"))?
-        };
+        } = self.encode(caller, list, queries)?;
         let submission = self.gpu.queue.submit([commands]);
         Ok((Submitted { passes, read_backs }, submission))
+    }
+
+    /// Walks over all commands. The table is read for as long, and no longer.
+    fn encode(
+        &self,
+        caller: &Caller,
+        list: &CommandListRecord,
+        queries: Option<&Queries>,
+    ) -> Result<Encoded, GpuError> {
+        let table = self.read();
+        let mut walk = Walk::new(&self.gpu, &table, caller, queries);
+        steps(&mut walk, list, list.commands.len())?;
+        walk.finish()
+            .map_err(|error| error.at("the end of the commands"))
     }
 
     /// Finds the first command that wgpu refuses, by encoding shorter and shorter beginnings, and puts its index into
@@ -165,7 +191,7 @@ impl GpuService {
 /// What is left of an encoding when it was submitted.
 struct Submitted {
     passes: Vec<String>,
-    read_backs: Vec<super::pass::PendingReadBack>,
+    read_backs: Vec<PendingReadBack>,
 }
 
 /// Walks over the first `count` commands.

@@ -5,8 +5,8 @@ use crate::device::{GpuDevice, GpuError};
 use wgpu::Features;
 use wgpu::naga::ShaderStage;
 use wgpu::naga::front::wgsl;
-use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
-use wgpu::naga::{Module, SourceLocation};
+use wgpu::naga::valid::{Capabilities, ValidationError, ValidationFlags, Validator};
+use wgpu::naga::{Module, SourceLocation, Span};
 
 /// What a shader offers to pipelines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -103,11 +103,14 @@ pub(super) fn check(
             text = format!("{text}: {cause}");
             source_error = cause.source();
         }
+        let location = error
+            .location(source)
+            .or_else(|| entry_point_location(error.as_inner(), source));
         refusal(
             label,
             source,
             &text,
-            error.location(source),
+            location,
             error.emit_to_string_with_path(source, label),
         )
     })?;
@@ -129,6 +132,21 @@ pub(super) fn check(
         }));
     }
     Ok(Interface::of(&module))
+}
+
+/// Where the entry point begins that an error is about: naga knows no place for what is wrong with its signature.
+fn entry_point_location(error: &ValidationError, source: &str) -> Option<SourceLocation> {
+    let ValidationError::EntryPoint { name, .. } = error else {
+        return None;
+    };
+    let start = source.match_indices(name.as_str()).find_map(|(at, _)| {
+        let before = source[..at].trim_end();
+        let after = source[at + name.len()..].trim_start();
+        let is_declaration = before.ends_with("fn") && before.len() < at && after.starts_with('(');
+        is_declaration.then_some(at)
+    })?;
+    let end = u32::try_from(start + name.len()).ok()?;
+    Some(Span::new(start as u32, end).location(source))
 }
 
 /// 'shader 'splats', line 3, column 7: `the source line`'.
