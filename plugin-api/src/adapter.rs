@@ -48,7 +48,7 @@ impl<T> Drop for Guarded<T> {
     fn drop(&mut self) {
         let value = self.value.take();
         drop_guarded(self.what, value, |text| {
-            self.host.log(LogLevel::ERROR, text)
+            self.host.log(LogLevel::ERROR, text);
         });
     }
 }

@@ -23,7 +23,7 @@ pub enum Outcome {
 /// All that a view is given for one frame.
 pub struct Frame<'a> {
     uniform: &'a FrameUniform,
-    frame_group: GroupRef,
+    group: GroupRef,
     world_from_view: DMat4,
     size_px: [u32; 2],
     scene: Scene<'a>,
@@ -49,7 +49,7 @@ impl<'a> Frame<'a> {
         let record: &'a abi::FrameRecord<'f> = record;
         Self {
             uniform: &record.uniform,
-            frame_group: GroupRef(record.frame_group),
+            group: GroupRef(record.frame_group),
             world_from_view: DMat4::from_cols_array(&record.world_from_view),
             size_px: record.size_px,
             scene: Scene::new(record.scene),
@@ -79,7 +79,7 @@ impl<'a> Frame<'a> {
 
     /// Group 0, to be set with each draw's [`Draw::uniform_offset`].
     pub fn group(&self) -> GroupRef {
-        self.frame_group
+        self.group
     }
 
     /// World coordinates from view coordinates, f64.
@@ -119,7 +119,7 @@ impl<'a> Frame<'a> {
             .targets
             .iter()
             .find(|record| record.key.as_str() == key)?;
-        record.texture.is_some().then(|| Target {
+        record.texture.is_some().then_some(Target {
             texture: TextureRef(record.texture),
             format: record.format,
         })
@@ -176,6 +176,10 @@ impl<'a> Frame<'a> {
     }
 
     /// Hands recorded commands to the host, which runs them after `render` returns, in the order of submission.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "what is submitted is handed over: recording on in it would reach nobody"
+    )]
     pub fn submit(&mut self, commands: Recorder) {
         self.recorder.append(&commands);
     }
