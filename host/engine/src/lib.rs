@@ -4,3 +4,4 @@
 pub mod device;
 pub mod frame;
 pub mod gpu;
+pub mod plugins;

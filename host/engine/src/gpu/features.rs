@@ -6,7 +6,7 @@ use wgpu::naga::valid::Capabilities as Caps;
 use wgpu::{DownlevelFlags, Features, TextureFormat, TextureFormatFeatures};
 
 /// The feature of this kebab-case name, with or without wgpu's prefix ('shader-int64', 'wgpu-shader-int64').
-pub(super) fn by_name(name: &str) -> Option<Features> {
+pub(crate) fn by_name(name: &str) -> Option<Features> {
     Features::from_str(name)
         .or_else(|()| Features::from_str(&format!("wgpu-{name}")))
         .ok()

@@ -25,7 +25,9 @@ mod timing;
 mod walk;
 mod write;
 
+pub(crate) use features::by_name as feature_by_name;
 pub use handles::Owner;
+pub(crate) use object::limit as limit_by_name;
 pub use replay::Replay;
 pub use service::GpuService;
 pub use timing::{PassTime, PassTimes, Timings};

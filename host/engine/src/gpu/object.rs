@@ -218,7 +218,7 @@ impl GpuObject for OwnerGpu {
 /// Declares the limits that plugins may ask for: wgpu's fields by their names.
 macro_rules! limits {
     ($($name:ident)*) => {
-        fn limit(limits: &wgpu::Limits, name: &str) -> Option<u64> {
+        pub(crate) fn limit(limits: &wgpu::Limits, name: &str) -> Option<u64> {
             match name {
                 $(stringify!($name) => Some(u64::from(limits.$name)),)*
                 _ => None,
