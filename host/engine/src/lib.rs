@@ -5,3 +5,4 @@ pub mod device;
 pub mod frame;
 pub mod gpu;
 pub mod plugins;
+pub mod stage;

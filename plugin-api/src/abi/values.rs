@@ -36,6 +36,12 @@ macro_rules! open_number {
                 $(if self.0 == $number { return Some(stringify!($value)); })*
                 None
             }
+
+            /// The value of a name, in any case: `RGBA16_FLOAT` or `rgba16_float`.
+            pub fn from_name(name: &str) -> Option<Self> {
+                $(if name.eq_ignore_ascii_case(stringify!($value)) { return Some(Self::$value); })*
+                None
+            }
         }
 
         impl core::fmt::Debug for $name {

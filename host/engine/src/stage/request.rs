@@ -1,6 +1,6 @@
 //! What a frame is asked for, and what it gives: the whole interface between the stage and whoever shows pictures.
 
-use crate::frame::{Background, Picture, Plane, Show};
+pub use crate::frame::{Background, Picture, Plane, Show};
 use pointstage_plugin_api::abi::{Interaction, Purpose};
 pub use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
 use pointstage_scene::{Camera, Lights, Scene};
@@ -35,6 +35,8 @@ pub enum Patience {
 /// One frame, asked for. Plain data: the same request gives the same picture.
 #[derive(Clone, Debug)]
 pub struct FrameRequest {
+    /// Which viewport. Views of renderers are kept per viewport and role.
+    pub viewport: ViewportId,
     /// The scene; cheap to clone.
     pub scene: Arc<Scene>,
     /// The eye.
@@ -73,6 +75,39 @@ pub struct FrameRequest {
     pub patience: Patience,
     /// Seed of random choices.
     pub seed: u32,
+}
+
+impl FrameRequest {
+    /// A still picture of the scene by a renderer, waited for, with default lights, on a transparent background.
+    pub fn still(
+        scene: Arc<Scene>,
+        camera: Camera,
+        size_px: [u32; 2],
+        renderer: impl Into<String>,
+    ) -> Self {
+        Self {
+            viewport: ViewportId(0),
+            scene,
+            camera,
+            lights: Lights::default(),
+            size_px,
+            renderer: renderer.into(),
+            structure: None,
+            settings: SettingValues::new(),
+            structure_settings: SettingValues::new(),
+            actions: Vec::new(),
+            read_back: Vec::new(),
+            show: Show::Colours,
+            background: Background::Transparent,
+            exposure: 1.0,
+            radius_scale: 1.0,
+            interaction: Interaction::STILL,
+            purpose: Purpose::EXPORT,
+            role: Role::Auxiliary,
+            patience: Patience::Wait,
+            seed: 0,
+        }
+    }
 }
 
 /// A time of one pass.
@@ -153,6 +188,8 @@ pub struct FrameResult {
     pub available_targets: Vec<String>,
     /// The renderer that drew: the one asked for, the last good one, or the fallback.
     pub drawn_by: String,
+    /// Values at the dark and the bright end of the shown target's ramp, for its legend.
+    pub shown_range: Option<[f32; 2]>,
     /// What it cost.
     pub stats: FrameStats,
     /// 1: done; less: the picture refines if asked again.

@@ -1,0 +1,147 @@
+//! What the numbers in the `id` target mean.
+
+use pointstage_scene::ObjectId;
+
+/// One block's run of ids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Run {
+    first_id: u32,
+    count: u32,
+    object: ObjectId,
+    source: IdSource,
+    block: u32,
+    first_surfel: u64,
+}
+
+/// Whether a block is the scene's or a structure's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum IdSource {
+    /// A block of the object itself.
+    Scene,
+    /// A block of the level-of-detail structure: its surfels are inner nodes.
+    Structure,
+}
+
+/// What an id of the `id` target stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Identified {
+    /// The object.
+    pub object: ObjectId,
+    /// Whose block.
+    pub source: IdSource,
+    /// The block's number.
+    pub block: u32,
+    /// The surfel's number in the block.
+    pub surfel: u32,
+    /// The surfel's number in the object, for blocks of the scene.
+    pub surfel_in_object: Option<u64>,
+}
+
+/// The frame's table from ids to surfels. Id 0 is 'nothing'.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct IdTable {
+    runs: Vec<Run>,
+}
+
+impl IdTable {
+    /// The id of the block's first surfel. A block that is drawn several times keeps its ids.
+    ///
+    /// When 2³² ids are used up, further blocks get 0, 'nothing'.
+    pub(super) fn base(
+        &mut self,
+        object: ObjectId,
+        source: IdSource,
+        block: u32,
+        first_surfel: u64,
+        count: u32,
+    ) -> u32 {
+        let known = |run: &&Run| run.object == object && run.source == source && run.block == block;
+        if let Some(run) = self.runs.iter().find(known) {
+            return run.first_id;
+        }
+        let next = self
+            .runs
+            .last()
+            .map_or(Some(1), |run| run.first_id.checked_add(run.count));
+        let Some(first_id) = next.filter(|next| next.checked_add(count).is_some()) else {
+            return 0;
+        };
+        self.runs.push(Run {
+            first_id,
+            count,
+            object,
+            source,
+            block,
+            first_surfel,
+        });
+        first_id
+    }
+
+    /// What an id stands for; `None` for 0 and for ids that no draw of the frame has.
+    pub fn resolve(&self, id: u32) -> Option<Identified> {
+        let after = self.runs.partition_point(|run| run.first_id <= id);
+        let run = self.runs.get(after.checked_sub(1)?)?;
+        let surfel = id - run.first_id;
+        let Run {
+            object,
+            source,
+            block,
+            first_surfel,
+            count,
+            ..
+        } = *run;
+        (surfel < count).then(|| Identified {
+            object,
+            source,
+            block,
+            surfel,
+            surfel_in_object: (source == IdSource::Scene)
+                .then_some(first_surfel + u64::from(surfel)),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_resolve_to_their_block_and_surfel() {
+        let mut table = IdTable::default();
+        let (a, b) = (ObjectId(7), ObjectId(8));
+        assert_eq!(table.base(a, IdSource::Scene, 0, 0, 10), 1);
+        assert_eq!(table.base(a, IdSource::Scene, 1, 10, 5), 11);
+        assert_eq!(table.base(b, IdSource::Structure, 0, 0, 3), 16);
+        assert_eq!(
+            table.base(a, IdSource::Scene, 1, 10, 5),
+            11,
+            "a block keeps its ids"
+        );
+        let found = table.resolve(12).unwrap();
+        assert_eq!(
+            (
+                found.object,
+                found.block,
+                found.surfel,
+                found.surfel_in_object
+            ),
+            (a, 1, 1, Some(11))
+        );
+        let node = table.resolve(18).unwrap();
+        assert_eq!(
+            (node.object, node.source, node.surfel, node.surfel_in_object),
+            (b, IdSource::Structure, 2, None)
+        );
+        assert_eq!(
+            (table.resolve(0), table.resolve(19), table.resolve(u32::MAX)),
+            (None, None, None)
+        );
+    }
+
+    #[test]
+    fn ids_that_do_not_fit_are_nothing() {
+        let mut table = IdTable::default();
+        table.base(ObjectId(1), IdSource::Scene, 0, 0, u32::MAX - 10);
+        assert_eq!(table.base(ObjectId(1), IdSource::Scene, 1, 0, 100), 0);
+    }
+}

@@ -1,0 +1,201 @@
+//! The render thread: frames asked for by a window are drawn here, never on the window's own thread.
+
+use super::request::{FrameRequest, FrameResult, Notice};
+use super::{Adapter, FrameError, Stage, StageOptions};
+use crate::plugins::Registry;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+/// What the thread has to tell.
+#[derive(Clone, Debug, Default)]
+pub struct StageStatus {
+    /// The device's adapter, once it is open; none on the CPU.
+    pub adapter: Option<Adapter>,
+    /// Why there is no device, if one was wanted.
+    pub no_device: Option<String>,
+    /// Whether a frame is being drawn or waits.
+    pub busy: bool,
+}
+
+/// The stage on a thread of its own. Dropping it ends the thread after the frame in hand.
+pub struct StageThread {
+    shared: Arc<Shared>,
+    worker: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    state: Mutex<State>,
+    wake: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    wanted: Option<FrameRequest>,
+    errands: Vec<Errand>,
+    latest: Option<Arc<FrameResult>>,
+    notices: Vec<Notice>,
+    error: Option<String>,
+    registry: Option<Arc<Registry>>,
+    status: StageStatus,
+    quit: bool,
+}
+
+type Errand = Box<dyn FnOnce(&mut Stage) + Send>;
+
+impl StageThread {
+    /// Opens the stage on a new thread. `repaint` is called there whenever there is something new to show.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn spawn(
+        options: StageOptions,
+        repaint: impl Fn() + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            state: Mutex::default(),
+            wake: Condvar::new(),
+        });
+        let for_worker = Arc::clone(&shared);
+        let worker = std::thread::Builder::new()
+            .name("render".into())
+            .spawn(move || for_worker.run(options, &repaint))?;
+        Ok(Self {
+            shared,
+            worker: Some(worker),
+        })
+    }
+
+    /// Asks for a frame. One that still waits is replaced, keeping its actions.
+    pub fn submit(&self, mut request: FrameRequest) {
+        let mut state = self.shared.lock();
+        if let Some(waiting) = state.wanted.take() {
+            let mut actions = waiting.actions;
+            actions.append(&mut request.actions);
+            request.actions = actions;
+        }
+        state.wanted = Some(request);
+        state.status.busy = true;
+        self.shared.wake.notify_one();
+    }
+
+    /// Does something with the stage between frames: rescan plugins, try a failed one again.
+    pub fn errand(&self, errand: impl FnOnce(&mut Stage) + Send + 'static) {
+        self.shared.lock().errands.push(Box::new(errand));
+        self.shared.wake.notify_one();
+    }
+
+    /// The last frame drawn.
+    pub fn latest(&self) -> Option<Arc<FrameResult>> {
+        self.shared.lock().latest.clone()
+    }
+
+    /// Takes the notices of all frames since the last call: a window may not see each frame.
+    pub fn take_notices(&self) -> Vec<Notice> {
+        std::mem::take(&mut self.shared.lock().notices)
+    }
+
+    /// Takes the error of the last frame, if it had one that left no picture.
+    pub fn take_error(&self) -> Option<String> {
+        self.shared.lock().error.take()
+    }
+
+    /// The plugins found, once the stage is open.
+    pub fn registry(&self) -> Option<Arc<Registry>> {
+        self.shared.lock().registry.clone()
+    }
+
+    /// Device and state.
+    pub fn status(&self) -> StageStatus {
+        self.shared.lock().status.clone()
+    }
+}
+
+impl Drop for StageThread {
+    fn drop(&mut self) {
+        self.shared.lock().quit = true;
+        self.shared.wake.notify_one();
+        if let Some(worker) = self.worker.take() {
+            // A panic of the render thread was reported when it happened.
+            let _ = worker.join();
+        }
+    }
+}
+
+enum Work {
+    Errand(Errand),
+    Frame(Box<FrameRequest>),
+    Quit,
+}
+
+impl Shared {
+    fn lock(&self) -> std::sync::MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn run(&self, options: StageOptions, repaint: &impl Fn()) {
+        let mut stage = match Stage::new(options) {
+            Ok(stage) => stage,
+            Err(error) => {
+                self.lock().error = Some(error.to_string());
+                return repaint();
+            }
+        };
+        self.publish(&stage);
+        repaint();
+        loop {
+            match self.next() {
+                Work::Quit => return,
+                Work::Errand(errand) => {
+                    errand(&mut stage);
+                    self.publish(&stage);
+                }
+                Work::Frame(request) => {
+                    let outcome = stage.frame(&request);
+                    self.publish(&stage);
+                    self.store(outcome);
+                }
+            }
+            repaint();
+        }
+    }
+
+    fn next(&self) -> Work {
+        let mut state = self.lock();
+        loop {
+            if state.quit {
+                return Work::Quit;
+            }
+            if !state.errands.is_empty() {
+                return Work::Errand(state.errands.remove(0));
+            }
+            if let Some(request) = state.wanted.take() {
+                return Work::Frame(Box::new(request));
+            }
+            state.status.busy = false;
+            state = self
+                .wake
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn publish(&self, stage: &Stage) {
+        let mut state = self.lock();
+        state.registry = Some(stage.registry());
+        state.status.adapter = stage.adapter();
+        state.status.no_device = stage.no_device().map(ToOwned::to_owned);
+    }
+
+    fn store(&self, outcome: Result<FrameResult, FrameError>) {
+        let mut state = self.lock();
+        match outcome {
+            Ok(result) => {
+                state.notices.extend(result.notices.iter().cloned());
+                state.latest = Some(Arc::new(result));
+                state.error = None;
+            }
+            Err(error) => state.error = Some(error.to_string()),
+        }
+        state.status.busy = state.wanted.is_some();
+    }
+}
