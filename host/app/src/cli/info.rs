@@ -1,0 +1,140 @@
+//! `pointstage info`: what is in files.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use pointstage_scene::{Loaded, Provenance};
+use serde_json::{Value, json};
+
+use super::Outcome;
+use super::load::LoadArguments;
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  pointstage info scan.ply
+  pointstage info --json a.ply b.ply
+
+With --json, standard output holds one JSON array with an object a file.")]
+pub(crate) struct InfoArguments {
+    /// PLY files
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    /// Write JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    load: LoadArguments,
+}
+
+/// Prints the facts of each file.
+pub(crate) fn run(arguments: &InfoArguments) -> Outcome {
+    let mut all = Vec::new();
+    for path in &arguments.files {
+        let facts = facts(path, &arguments.load.load(path)?);
+        if !arguments.json {
+            print(&facts);
+        }
+        all.push(facts);
+    }
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&Value::Array(all))?);
+    }
+    Ok(())
+}
+
+fn facts(path: &Path, loaded: &Loaded) -> Value {
+    let Loaded {
+        object, warnings, ..
+    } = loaded;
+    let geometry = &object.geometry;
+    let block = geometry.blocks.first();
+    let columns: Vec<Value> = block
+        .into_iter()
+        .flat_map(|block| &block.named)
+        .map(|column| {
+            json!({
+                "name": &*column.name,
+                "type": column.scalar.name(),
+                "components": column.components,
+            })
+        })
+        .collect();
+    let bounds = object.bounds_world();
+    let bounds = (!bounds.is_empty()).then(|| {
+        json!({
+            "min": bounds.min.to_array(),
+            "max": bounds.max.to_array(),
+            "size": bounds.size().to_array(),
+        })
+    });
+    json!({
+        "file": path.display().to_string(),
+        "name": object.name,
+        "surfels": geometry.surfel_count,
+        "triangles": geometry.triangles.as_ref().map_or(0, |triangles| triangles.len()),
+        "blocks": geometry.blocks.len(),
+        "normals": provenance(geometry.origins.normals),
+        "radii": provenance(geometry.origins.radii),
+        "colours": provenance(geometry.origins.colours),
+        "axes": provenance(geometry.origins.axes),
+        "columns": columns,
+        "origin": object.origin.to_array(),
+        "bounds": bounds,
+        "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+fn provenance(provenance: Provenance) -> &'static str {
+    match provenance {
+        Provenance::Missing => "none",
+        Provenance::FromFile => "file",
+        Provenance::FromFaces => "faces",
+        Provenance::Estimated => "neighbours",
+    }
+}
+
+/// The facts as lines, aligned.
+fn print(facts: &Value) {
+    let line = |name: &str, value: String| println!("{name:<12}{value}");
+    let text = |key: &str| match &facts[key] {
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    };
+    println!("{}", text("file"));
+    line("  surfels", text("surfels"));
+    line("  triangles", text("triangles"));
+    for column in ["normals", "radii", "colours", "axes"] {
+        let from = match facts[column].as_str() {
+            Some("none") | None => "none",
+            Some("file") => "from the file",
+            Some("faces") => "computed from faces",
+            Some(_) => "estimated from neighbours",
+        };
+        line(&format!("  {column}"), from.to_owned());
+    }
+    let columns: Vec<String> = facts["columns"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .map(|column| {
+            let name = column["name"].as_str().unwrap_or_default();
+            let scalar = column["type"].as_str().unwrap_or_default();
+            format!("{name} ({scalar}×{})", column["components"])
+        })
+        .collect();
+    if !columns.is_empty() {
+        line("  columns", columns.join(", "));
+    }
+    let vector = |value: &Value| {
+        let numbers = value.as_array().into_iter().flatten();
+        let texts: Vec<String> = numbers.map(ToString::to_string).collect();
+        texts.join(" ")
+    };
+    if facts["bounds"].is_object() {
+        line("  from", vector(&facts["bounds"]["min"]));
+        line("  to", vector(&facts["bounds"]["max"]));
+        line("  size", vector(&facts["bounds"]["size"]));
+    }
+}

@@ -1,0 +1,141 @@
+//! The command line: one file a command.
+//!
+//! [`Arguments`] is what clap reads; [`run`] hands it to the command. Results go to standard output, everything else to
+//! standard error. Exit codes: 0 done, 1 failed, 2 used wrongly ([`failure`]).
+
+mod failure;
+mod globals;
+mod info;
+mod load;
+mod plugins;
+mod render;
+mod values;
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+pub(crate) use failure::{Failure, Outcome};
+pub(crate) use globals::Globals;
+
+/// Show and render point clouds and meshes as surfels, with renderers that are plugins.
+///
+/// Without a command, opens FILEs in the window.
+#[derive(Debug, Parser)]
+#[command(name = "pointstage", version, after_help = EXAMPLES, args_conflicts_with_subcommands = false)]
+pub(crate) struct Arguments {
+    /// PLY files to open in the window; each becomes an object
+    #[arg(value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) globals: Globals,
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  pointstage scan.ply                                           look at a scan
+  pointstage render scan.ply --renderer surfel --out scan.png   draw it without a window
+  pointstage info scan.ply                                      what is in the file
+  pointstage plugins list                                       which renderers there are
+
+Exit codes: 0 done, 1 failed, 2 used wrongly.
+A file that is named like a command is opened as ./render.";
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Draw files to pictures, without a window
+    Render(Box<render::RenderArguments>),
+    /// Say what is in files
+    Info(info::InfoArguments),
+    /// List or examine plugins
+    #[command(subcommand)]
+    Plugins(plugins::PluginsCommand),
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: Arguments) -> Outcome {
+    let Arguments {
+        files,
+        globals,
+        command,
+    } = arguments;
+    match command {
+        None => crate::window::open(&globals, files),
+        Some(_) if !files.is_empty() => Err(Failure::usage(format!(
+            "'{}' stands before a command; put files behind it",
+            files[0].display()
+        ))),
+        Some(Command::Render(render)) => render::run(&globals, &render),
+        Some(Command::Info(info)) => info::run(&info),
+        Some(Command::Plugins(plugins)) => plugins::run(&globals, &plugins),
+    }
+}
+
+/// Sends the program's log to standard error: warnings, with `-v` what happens, with `-vv` every act.
+///
+/// `RUST_LOG` overrides the choice.
+pub(crate) fn start_log(verbose: u8) {
+    use tracing_subscriber::EnvFilter;
+    let level = match verbose {
+        0 => "pointstage=warn,pointstage_engine=warn,pointstage_scene=warn,error",
+        1 => "pointstage=info,pointstage_engine=info,pointstage_scene=info,error",
+        _ => "pointstage=debug,pointstage_engine=debug,pointstage_scene=debug,warn",
+    };
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_target(false)
+        .init();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn files_alone_open_the_window() {
+        let arguments =
+            Arguments::try_parse_from(["pointstage", "a.ply", "b.ply", "--backend", "vulkan"])
+                .expect("parses");
+        assert_eq!(arguments.files.len(), 2);
+        assert!(arguments.command.is_none());
+    }
+
+    #[test]
+    fn global_options_stand_before_or_behind_the_command() {
+        for line in [
+            ["pointstage", "--no-device", "info", "a.ply"],
+            ["pointstage", "info", "a.ply", "--no-device"],
+        ] {
+            let arguments = Arguments::try_parse_from(line).expect("parses");
+            assert!(arguments.globals.no_device);
+        }
+    }
+
+    #[test]
+    fn every_command_has_examples_in_its_help() {
+        let mut command = Arguments::command();
+        command.build();
+        for name in ["render", "info", "plugins"] {
+            let help = command
+                .find_subcommand_mut(name)
+                .expect("there is such a command")
+                .render_long_help()
+                .to_string();
+            assert!(
+                help.contains("Example"),
+                "no example in the help of '{name}'"
+            );
+        }
+    }
+}

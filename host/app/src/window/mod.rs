@@ -1,0 +1,33 @@
+//! The window.
+//!
+//! Data goes round once a pass: [`app`] collects what workers finished, lets the UI functions read the [`session`] and
+//! return [`intent`]s, applies those to the session ([`apply`]), and asks the stage for a picture if something that the
+//! picture depends on has changed. UI functions never load, render or block: files are read by a worker ([`tasks`]),
+//! pictures are drawn by the stage's own thread, and the last one is shown until the next is there.
+
+mod app;
+mod apply;
+mod asking;
+mod dialogs;
+mod help;
+mod intent;
+mod legend;
+mod loading;
+mod log;
+mod menu;
+mod navigation;
+mod open;
+mod picture;
+mod rows;
+mod session;
+mod settings;
+mod shortcuts;
+mod stage_link;
+mod status;
+mod tasks;
+mod theme;
+mod toasts;
+mod viewport;
+mod welcome;
+
+pub(crate) use open::open;

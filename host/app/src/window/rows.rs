@@ -1,0 +1,212 @@
+//! What the panels show about renderers and plugins: made from the engine's registry, read by the UI functions.
+
+use std::path::PathBuf;
+
+use pointstage_engine::plugins::{
+    PluginFile, PluginInfo, Remedy, Suitability, VerdictClass, suitability,
+};
+use pointstage_engine::stage::{FALLBACK_ID, Severity, Stage};
+use pointstage_plugin_api::manifest::PluginEntry;
+use pointstage_plugin_api::settings_schema::SettingSchema;
+use pointstage_scene::Scene;
+
+/// All rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Rows {
+    /// Every renderer found.
+    pub(crate) renderers: Vec<RendererRow>,
+    /// Every structure found.
+    pub(crate) structures: Vec<RendererRow>,
+    /// Every plugin file found.
+    pub(crate) plugins: Vec<PluginRow>,
+    /// Plugins in which earlier sessions ended, as sentences.
+    pub(crate) culprits: Vec<String>,
+}
+
+impl Rows {
+    /// The renderer of this id.
+    pub(crate) fn renderer(&self, id: &str) -> Option<&RendererRow> {
+        self.renderers.iter().find(|row| row.id == id)
+    }
+
+    /// The renderer that a new window chooses: the first that can draw.
+    pub(crate) fn first_suitable(&self) -> Option<&RendererRow> {
+        self.renderers.iter().find(|row| row.obstacle.is_none())
+    }
+}
+
+/// A renderer or structure in a list.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RendererRow {
+    /// What a request names.
+    pub(crate) id: String,
+    /// For people.
+    pub(crate) title: String,
+    /// Version, citation, what it gives: the tooltip.
+    pub(crate) about: String,
+    /// Why it cannot draw this scene on this device, if so.
+    pub(crate) obstacle: Option<Obstacle>,
+    /// Its settings.
+    pub(crate) settings: Vec<SettingSchema>,
+}
+
+/// Why a renderer cannot draw.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Obstacle {
+    /// One sentence.
+    pub(crate) reason: String,
+    /// What the host can do about it.
+    pub(crate) remedy: Option<Remedy>,
+}
+
+/// A plugin file in a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PluginRow {
+    /// The file.
+    pub(crate) path: PathBuf,
+    /// What it brings, or the file's name.
+    pub(crate) title: String,
+    /// `accepted`, `refused`, `quarantined`, …
+    pub(crate) verdict: String,
+    /// How serious the verdict is.
+    pub(crate) severity: Severity,
+    /// Why, in a sentence; empty when all is well.
+    pub(crate) message: String,
+    /// The long form.
+    pub(crate) detail: String,
+    /// Facts by name: API, hash, time to examine.
+    pub(crate) facts: Vec<(String, String)>,
+    /// Whether trying again makes sense.
+    pub(crate) can_retry: bool,
+}
+
+/// Lists what the stage has, and what of it fits `scene`. Thread: the stage's.
+pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
+    let registry = stage.registry();
+    let device = stage.device().map(|device| &**device);
+    let row = |info: &PluginInfo| RendererRow {
+        id: info.id.clone(),
+        title: info.entry.title.clone(),
+        about: about(info),
+        obstacle: obstacle(&suitability(&info.entry.needs, scene, device)),
+        settings: info.entry.settings.clone(),
+    };
+    let mut renderers: Vec<RendererRow> =
+        registry.renderers().iter().map(|info| row(info)).collect();
+    renderers.push(RendererRow {
+        id: FALLBACK_ID.to_owned(),
+        title: "Built-in fallback (CPU)".to_owned(),
+        about: "Opaque disks drawn on the CPU; always there.".to_owned(),
+        obstacle: None,
+        settings: Vec::new(),
+    });
+    Rows {
+        renderers,
+        structures: registry.structures().iter().map(|info| row(info)).collect(),
+        plugins: registry.files().iter().map(plugin_row).collect(),
+        culprits: registry
+            .culprits()
+            .iter()
+            .map(ToString::to_string)
+            .collect(),
+    }
+}
+
+fn about(info: &PluginInfo) -> String {
+    let PluginEntry {
+        id,
+        version,
+        description,
+        gives,
+        ..
+    } = &info.entry;
+    let targets: Vec<&str> = gives
+        .targets
+        .iter()
+        .map(|target| target.key.as_str())
+        .collect();
+    let mut lines = Vec::new();
+    if !description.is_empty() {
+        lines.push(description.clone());
+    }
+    lines.push(format!("{id} {version}"));
+    if !targets.is_empty() {
+        lines.push(format!("Writes {}.", targets.join(", ")));
+    }
+    lines.join("\n")
+}
+
+fn obstacle(suitability: &Suitability) -> Option<Obstacle> {
+    match suitability {
+        Suitability::Suitable => None,
+        Suitability::Unsuitable { reason, remedy } => Some(Obstacle {
+            reason: reason.clone(),
+            remedy: *remedy,
+        }),
+    }
+}
+
+fn plugin_row(file: &PluginFile) -> PluginRow {
+    let PluginFile {
+        path,
+        manifest,
+        verdict,
+        ..
+    } = file;
+    let titles: Vec<&str> = manifest
+        .iter()
+        .flat_map(|manifest| &manifest.plugins)
+        .map(|plugin| plugin.title.as_str())
+        .collect();
+    let title = if titles.is_empty() {
+        path.file_name()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy()
+            .into_owned()
+    } else {
+        titles.join(", ")
+    };
+    PluginRow {
+        path: path.clone(),
+        title,
+        verdict: verdict.in_words().to_owned(),
+        severity: match verdict.class {
+            VerdictClass::Ok => Severity::Info,
+            VerdictClass::NotExamined => Severity::Warning,
+            _ => Severity::Error,
+        },
+        message: verdict.message.clone(),
+        detail: verdict.detail.clone(),
+        facts: facts(file),
+        can_retry: !verdict.is_usable(),
+    }
+}
+
+fn facts(file: &PluginFile) -> Vec<(String, String)> {
+    let mut facts = Vec::new();
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
+    if let Some(manifest) = &file.manifest {
+        for plugin in &manifest.plugins {
+            add(&plugin.kind, format!("{} {}", plugin.id, plugin.version));
+        }
+        add("Vendor", manifest.vendor.clone());
+        add("Licence", manifest.licence.clone());
+        if !manifest.citation.is_empty() {
+            add("Citation", manifest.citation.clone());
+        }
+    }
+    if let Some(api) = &file.api {
+        add("API", api.clone());
+    }
+    add("Hash", file.hash.chars().take(16).collect());
+    add("Size", format!("{} kB", file.size / 1000));
+    if file.from_cache {
+        add("Examined", "in an earlier session".to_owned());
+    } else if !file.examination_time.is_zero() {
+        add(
+            "Examined",
+            format!("in {:.0} ms", file.examination_time.as_secs_f64() * 1e3),
+        );
+    }
+    facts
+}

@@ -1,0 +1,93 @@
+//! What the window shows: the scene, how it is looked at, and what draws it. Plain data, without widgets.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use pointstage_engine::stage::{Background, SettingValues, Show};
+use pointstage_scene::{Camera, Lights, ObjectId, Scene, Warnings};
+
+/// All that a picture depends on, and what the user chose for renderers that are not chosen now.
+#[derive(Clone, Debug)]
+pub(crate) struct Session {
+    /// The objects.
+    pub(crate) scene: Arc<Scene>,
+    /// What loading each object gave to say.
+    pub(crate) warnings: BTreeMap<ObjectId, Warnings>,
+    /// The eye.
+    pub(crate) camera: Camera,
+    /// The lights.
+    pub(crate) lights: Lights,
+    /// The chosen renderer's id.
+    pub(crate) renderer: String,
+    /// The chosen structure's id, if any.
+    pub(crate) structure: Option<String>,
+    /// Values that differ from the default, by renderer id.
+    pub(crate) settings: BTreeMap<String, SettingValues>,
+    /// How the picture is shown.
+    pub(crate) view: ViewOptions,
+}
+
+/// How a picture is shown, whatever the renderer.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ViewOptions {
+    /// Colours or a target.
+    pub(crate) show: Show,
+    /// What lies behind the scene.
+    pub(crate) background: Background,
+    /// Factor on linear colours.
+    pub(crate) exposure: f32,
+    /// Factor on every radius.
+    pub(crate) radius_scale: f32,
+}
+
+/// Dark above, darker below: both light and dark scans stand out. sRGB.
+pub(crate) const DEFAULT_BACKGROUND: Background =
+    Background::Gradient([0.30, 0.33, 0.37], [0.09, 0.10, 0.12]);
+
+impl Default for ViewOptions {
+    fn default() -> Self {
+        Self {
+            show: Show::Colours,
+            background: DEFAULT_BACKGROUND,
+            exposure: 1.0,
+            radius_scale: 1.0,
+        }
+    }
+}
+
+impl Session {
+    /// An empty scene, drawn by `renderer`.
+    pub(crate) fn new(renderer: String) -> Self {
+        Self {
+            scene: Arc::new(Scene::new()),
+            warnings: BTreeMap::new(),
+            camera: Camera::default(),
+            lights: Lights::default(),
+            renderer,
+            structure: None,
+            settings: BTreeMap::new(),
+            view: ViewOptions::default(),
+        }
+    }
+
+    /// The values of the chosen renderer.
+    pub(crate) fn chosen_settings(&self) -> SettingValues {
+        self.settings_of(&self.renderer)
+    }
+
+    /// The values of a renderer.
+    pub(crate) fn settings_of(&self, renderer: &str) -> SettingValues {
+        self.settings.get(renderer).cloned().unwrap_or_default()
+    }
+
+    /// Takes all objects out.
+    pub(crate) fn clear_scene(&mut self) {
+        self.scene = Arc::new(Scene::new());
+        self.warnings.clear();
+    }
+
+    /// Changes the scene; frames that are being drawn keep the one they started with.
+    pub(crate) fn edit_scene<T>(&mut self, change: impl FnOnce(&mut Scene) -> T) -> T {
+        change(Arc::make_mut(&mut self.scene))
+    }
+}

@@ -1,0 +1,200 @@
+//! The *View* tab: camera, background, and how the picture is shown.
+
+use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
+use pointstage_engine::stage::Background;
+use pointstage_scene::{Camera, Projection};
+
+use crate::window::intent::{Intent, Intents};
+use crate::window::menu::show_choices_ui;
+use crate::window::navigation::{Axis, CameraMove, UpAxis, fov_degrees};
+use crate::window::session::{DEFAULT_BACKGROUND, ViewOptions};
+
+/// The first colour of a background of one colour.
+const WHITE: Background = Background::Solid([1.0; 3]);
+
+/// What the tab shows.
+pub(crate) struct ViewTab<'a> {
+    /// How the picture is shown.
+    pub(crate) view: &'a ViewOptions,
+    /// The eye.
+    pub(crate) camera: &'a Camera,
+    /// Targets that the renderer gives.
+    pub(crate) targets: &'a [String],
+}
+
+/// The tab.
+pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.strong("Picture");
+        super::row(
+            ui,
+            "Shows",
+            "Colours, or one of the targets that the renderer writes",
+            |ui| {
+                egui::ComboBox::from_id_salt("shows")
+                    .selected_text(crate::window::legend::title_of(&tab.view.show))
+                    .show_ui(ui, |ui| {
+                        show_choices_ui(ui, &tab.view.show, tab.targets, out);
+                    });
+            },
+        );
+        factor_ui(
+            ui,
+            "Exposure",
+            "Factor on the colours",
+            tab.view.exposure,
+            Intent::Exposure,
+            out,
+        );
+        factor_ui(
+            ui,
+            "Radius scale",
+            "Factor on every surfel's radius",
+            tab.view.radius_scale,
+            Intent::RadiusScale,
+            out,
+        );
+        background_ui(ui, tab.view.background, out);
+        ui.separator();
+        ui.strong("Camera");
+        camera_ui(ui, tab.camera, out);
+    });
+}
+
+/// A factor around 1, logarithmic, with a reset.
+fn factor_ui(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    value: f32,
+    intent: impl Fn(f32) -> Intent,
+    out: &mut Intents,
+) {
+    super::row(ui, label, help, |ui| {
+        let mut edited = value;
+        let slider = Slider::new(&mut edited, 0.1..=10.0)
+            .logarithmic(true)
+            .clamping(SliderClamping::Never)
+            .max_decimals(3);
+        if ui.add(slider).changed() && edited > 0.0 && edited.is_finite() {
+            out.push(intent(edited));
+        }
+        if value != 1.0 {
+            let name = format!("Reset {label}");
+            let reset = ui.small_button("reset").on_hover_text(&name);
+            let reset = reset.accessible_name(name);
+            if reset.clicked() {
+                out.push(intent(1.0));
+            }
+        }
+    });
+}
+
+fn background_ui(ui: &mut Ui, background: Background, out: &mut Intents) {
+    let mut edited = background;
+    super::row(ui, "Background", "What lies behind the scene", |ui| {
+        egui::ComboBox::from_id_salt("background")
+            .selected_text(kind_of(background))
+            .show_ui(ui, |ui| {
+                for kind in [DEFAULT_BACKGROUND, WHITE, Background::Transparent] {
+                    let is_now = kind_of(kind) == kind_of(background);
+                    if ui.selectable_label(is_now, kind_of(kind)).clicked() && !is_now {
+                        edited = kind;
+                    }
+                }
+            });
+    });
+    match &mut edited {
+        Background::Transparent => {}
+        Background::Solid(colour) => {
+            super::row(ui, "Colour", "", |ui| srgb_ui(ui, colour));
+        }
+        Background::Gradient(top, bottom) => {
+            super::row(ui, "Top", "", |ui| srgb_ui(ui, top));
+            super::row(ui, "Bottom", "", |ui| srgb_ui(ui, bottom));
+        }
+    }
+    if edited != background {
+        out.push(Intent::Background(edited));
+    }
+}
+
+fn kind_of(background: Background) -> &'static str {
+    match background {
+        Background::Transparent => "transparent",
+        Background::Solid(_) => "one colour",
+        Background::Gradient(..) => "gradient",
+    }
+}
+
+/// A colour of sRGB values, 0..1.
+fn srgb_ui(ui: &mut Ui, colour: &mut [f32; 3]) {
+    let mut bytes = colour.map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8);
+    if ui.color_edit_button_srgb(&mut bytes).changed() {
+        *colour = bytes.map(|byte| f32::from(byte) / 255.0);
+    }
+}
+
+fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
+    super::row(ui, "Projection", "O switches", |ui| {
+        let is_perspective = fov_degrees(camera).is_some();
+        let perspective = ui.selectable_label(is_perspective, "perspective");
+        let orthographic = ui.selectable_label(!is_perspective, "orthographic");
+        if (perspective.clicked() && !is_perspective) || (orthographic.clicked() && is_perspective)
+        {
+            out.push(Intent::Move(CameraMove::SwitchProjection));
+        }
+    });
+    match camera.projection {
+        Projection::Perspective { fov_y_rad } => {
+            super::row(ui, "Field of view", "Full vertical angle", |ui| {
+                let mut degrees = fov_y_rad.to_degrees();
+                let slider = Slider::new(&mut degrees, 5.0..=120.0)
+                    .suffix("°")
+                    .max_decimals(1);
+                if ui.add(slider).changed() {
+                    let fov_y_rad = degrees.to_radians();
+                    out.push(Intent::Project(Projection::Perspective { fov_y_rad }));
+                }
+            });
+        }
+        Projection::Orthographic { height } => {
+            super::row(ui, "Height", "Of the picture, scene units", |ui| {
+                let mut edited = height;
+                let drag = DragValue::new(&mut edited)
+                    .speed(height * 0.01)
+                    .max_decimals(6);
+                if ui.add(drag).changed() && edited > 0.0 && edited.is_finite() {
+                    out.push(Intent::Project(Projection::Orthographic { height: edited }));
+                }
+            });
+        }
+    }
+    super::row(
+        ui,
+        "Up",
+        "The axis that points upwards: Y for models, Z for maps and many scanners",
+        |ui| {
+            let now = UpAxis::of(camera);
+            for (axis, name) in [(UpAxis::Y, "Y"), (UpAxis::Z, "Z")] {
+                if ui.selectable_label(axis == now, name).clicked() && axis != now {
+                    out.push(Intent::Move(CameraMove::Upwards(axis)));
+                }
+            }
+        },
+    );
+    ui.horizontal_wrapped(|ui| {
+        if ui
+            .button("Frame scene")
+            .on_hover_text("F or Home")
+            .clicked()
+        {
+            out.push(Intent::Move(CameraMove::Frame));
+        }
+        for (axis, name) in Axis::ALL {
+            if ui.button(name).clicked() {
+                out.push(Intent::Move(CameraMove::Axis(axis)));
+            }
+        }
+    });
+}

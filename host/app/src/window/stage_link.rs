@@ -1,0 +1,142 @@
+//! The window's side of the stage: requests go out, pictures, notices and lists come back. Nothing here waits.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use pointstage_engine::frame::legend::{Legend, legend};
+use pointstage_engine::frame::targets::{TargetSpec, host_target_spec};
+use pointstage_engine::stage::{
+    FrameRequest, FrameResult, Notice, Severity, Show, StageOptions, StageThread,
+};
+use pointstage_plugin_api::abi::Format;
+use pointstage_scene::Scene;
+
+use super::rows::{self, Rows};
+
+/// The stage on its thread, and what came from it.
+pub(crate) struct StageLink {
+    thread: StageThread,
+    taken: Option<Arc<FrameResult>>,
+    rows: (Sender<Rows>, Receiver<Rows>),
+}
+
+impl StageLink {
+    /// Opens the stage on a thread of its own, which calls `wake` whenever there is something new.
+    pub(crate) fn start(
+        options: StageOptions,
+        wake: &Arc<dyn Fn() + Send + Sync>,
+    ) -> std::io::Result<Self> {
+        let wake = Arc::clone(wake);
+        Ok(Self {
+            thread: StageThread::spawn(options, move || wake())?,
+            taken: None,
+            rows: channel(),
+        })
+    }
+
+    /// Whether plugins are known and pictures can be asked for.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.thread.registry().is_some()
+    }
+
+    /// Asks for a picture; one that waits is replaced.
+    pub(crate) fn submit(&self, request: FrameRequest) {
+        self.thread.submit(request);
+    }
+
+    /// The newest picture, once.
+    pub(crate) fn take_new_picture(&mut self) -> Option<Arc<FrameResult>> {
+        let latest = self.thread.latest()?;
+        let is_known = self
+            .taken
+            .as_ref()
+            .is_some_and(|taken| Arc::ptr_eq(taken, &latest));
+        if is_known {
+            return None;
+        }
+        self.taken = Some(latest.clone());
+        Some(latest)
+    }
+
+    /// Messages since the last call.
+    pub(crate) fn take_notices(&self) -> Vec<Notice> {
+        let mut notices = self.thread.take_notices();
+        notices.extend(self.thread.take_error().map(|text| Notice {
+            severity: Severity::Error,
+            plugin: String::new(),
+            text,
+            detail: String::new(),
+        }));
+        notices
+    }
+
+    /// Asks which renderers and plugins there are, and which fit `scene`.
+    pub(crate) fn ask_for_rows(&self, scene: Arc<Scene>) {
+        let answer = self.rows.0.clone();
+        self.thread.errand(move |stage| {
+            // The window has closed when nobody listens.
+            let _ = answer.send(rows::of(stage, &scene));
+        });
+    }
+
+    /// The newest answer to [`ask_for_rows`](Self::ask_for_rows), once.
+    pub(crate) fn take_rows(&self) -> Option<Rows> {
+        self.rows.1.try_iter().last()
+    }
+
+    /// Examines a plugin file again, whatever came of it before, and lists anew.
+    pub(crate) fn retry_plugin(&self, path: PathBuf, scene: Arc<Scene>) {
+        self.thread.errand(move |stage| {
+            stage.registry().retry(&path);
+            stage.rescan();
+        });
+        self.ask_for_rows(scene);
+    }
+
+    /// What draws, in a few words for the status bar.
+    pub(crate) fn adapter(&self) -> String {
+        let status = self.thread.status();
+        match (status.adapter, status.no_device) {
+            (Some(adapter), _) => format!("{} ({})", adapter.name, adapter.backend),
+            (None, Some(_)) => "no graphics device".to_owned(),
+            (None, None) if self.is_ready() => "CPU only".to_owned(),
+            (None, None) => "opening the device".to_owned(),
+        }
+    }
+
+    /// Versions and adapter, for reports.
+    pub(crate) fn facts(&self) -> Vec<(String, String)> {
+        let status = self.thread.status();
+        let mut facts = vec![
+            (
+                "Pointstage".to_owned(),
+                env!("CARGO_PKG_VERSION").to_owned(),
+            ),
+            (
+                "System".to_owned(),
+                format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            ),
+        ];
+        if let Some(adapter) = status.adapter {
+            facts.push(("Adapter".to_owned(), adapter.name));
+            facts.push(("Interface".to_owned(), adapter.backend));
+            facts.push(("Driver".to_owned(), adapter.driver));
+        }
+        if let Some(reason) = status.no_device {
+            facts.push(("No device".to_owned(), reason));
+        }
+        facts
+    }
+}
+
+/// The legend of what a picture shows; none for colours.
+pub(crate) fn legend_of(show: &Show, range: Option<[f32; 2]>) -> Option<Legend> {
+    let Show::Target(key) = show else { return None };
+    if let Some(spec) = host_target_spec(key) {
+        return Some(legend(spec, range));
+    }
+    // A target that a plugin declares is shown on a ramp.
+    let spec = TargetSpec::declared(key, Format::R16_FLOAT, [0.0; 4], "").ok()?;
+    Some(legend(&spec, range))
+}

@@ -1,0 +1,210 @@
+//! The status bar: what is drawn, how long it took, what runs.
+
+use std::time::Duration;
+
+use egui::{Layout, ProgressBar, Ui};
+use pointstage_engine::stage::{FrameStats, Preparing, Severity};
+
+use super::intent::{Intent, Intents, Part};
+use super::log::Log;
+use super::tasks::TaskState;
+use super::theme;
+
+/// What the bar shows.
+pub(crate) struct Status<'a> {
+    /// Of the last picture.
+    pub(crate) stats: Option<&'a FrameStats>,
+    /// The renderer that drew it, by title.
+    pub(crate) drawn_by: Option<&'a str>,
+    /// A renderer that is being prepared.
+    pub(crate) preparing: Option<&'a Preparing>,
+    /// How far a refining picture has come, below 1.
+    pub(crate) refining: Option<f32>,
+    /// Tasks that run or wait.
+    pub(crate) tasks: &'a [TaskState],
+    /// The adapter, or why there is none.
+    pub(crate) adapter: &'a str,
+    /// Messages.
+    pub(crate) log: &'a Log,
+}
+
+/// The bar.
+pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
+    for task in status.tasks {
+        task_ui(ui, task, out);
+    }
+    ui.horizontal(|ui| {
+        if let Some(stats) = status.stats {
+            numbers_ui(ui, stats, status.drawn_by);
+        } else {
+            ui.weak("No picture yet");
+        }
+        if let Some(preparing) = status.preparing {
+            ui.separator();
+            ui.spinner();
+            ui.label(format!(
+                "Preparing {}: {} ({:.0} %)",
+                preparing.id,
+                preparing.stage,
+                preparing.fraction * 100.0
+            ));
+        }
+        if let Some(progress) = status.refining {
+            ui.separator();
+            ui.label(format!("Refining: {:.0} %", progress * 100.0));
+        }
+        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+            log_button_ui(ui, status.log, out);
+            ui.separator();
+            ui.weak(status.adapter);
+        });
+    });
+}
+
+fn task_ui(ui: &mut Ui, task: &TaskState, out: &mut Intents) {
+    ui.push_id(task.id, |ui| {
+        ui.horizontal(|ui| {
+            let name = format!("Cancel {}", task.title);
+            let cancel = ui.button("Cancel").accessible_name(name);
+            if cancel.clicked() {
+                out.push(Intent::Cancel(task.id));
+            }
+            ui.label(&task.title);
+            let stage = if task.job.is_cancelled() {
+                "stopping".to_owned()
+            } else {
+                task.job.stage()
+            };
+            let bar = ProgressBar::new(task.job.progress())
+                .show_percentage()
+                .desired_width(160.0);
+            ui.add(bar);
+            ui.weak(stage);
+        });
+    });
+}
+
+fn numbers_ui(ui: &mut Ui, stats: &FrameStats, drawn_by: Option<&str>) {
+    let counts = format!(
+        "{} surfels, {} drawn",
+        grouped(stats.surfels_in_scene),
+        grouped(stats.surfels_selected)
+    );
+    ui.label(counts).on_hover_text(format!(
+        "Scene: {} on the device\nRenderer: {} on the device",
+        bytes(stats.scene_bytes),
+        bytes(stats.plugin_bytes)
+    ));
+    if let Some(drawn_by) = drawn_by {
+        ui.separator();
+        ui.label(drawn_by);
+    }
+    ui.separator();
+    ui.label(format!("Frame {}", millis(stats.total)))
+        .on_hover_text(format!(
+            "Whole frame by wall clock.\nRenderer on the CPU: {}\nDevice, submission to completion: {}",
+            millis(stats.plugin_cpu),
+            millis(stats.device_wall)
+        ));
+    ui.separator();
+    if stats.passes.is_empty() {
+        ui.label("GPU –")
+            .on_hover_text("The device has no timestamps, or no device drew.");
+    } else {
+        let sum = stats.passes.iter().map(|pass| pass.time).sum();
+        ui.label(format!("GPU {}", millis(sum))).on_hover_ui(|ui| {
+            egui::Grid::new("passes").num_columns(2).show(ui, |ui| {
+                for pass in &stats.passes {
+                    ui.label(&pass.label);
+                    ui.label(millis(pass.time));
+                    ui.end_row();
+                }
+            });
+        });
+    }
+    if !stats.reported.is_empty() {
+        ui.separator();
+        ui.weak("Counters").on_hover_ui(|ui| {
+            egui::Grid::new("counters").num_columns(2).show(ui, |ui| {
+                for (key, value) in &stats.reported {
+                    ui.label(key);
+                    ui.label(value.to_string());
+                    ui.end_row();
+                }
+            });
+        });
+    }
+}
+
+fn log_button_ui(ui: &mut Ui, log: &Log, out: &mut Intents) {
+    let (errors, warnings) = (log.count(Severity::Error), log.count(Severity::Warning));
+    let text = match (errors, warnings) {
+        (0, 0) => "Log".to_owned(),
+        (0, warnings) => format!("Log: {}", counted(warnings, "warning")),
+        (errors, 0) => format!("Log: {}", counted(errors, "error")),
+        (errors, warnings) => format!(
+            "Log: {}, {}",
+            counted(errors, "error"),
+            counted(warnings, "warning")
+        ),
+    };
+    let rich = if errors > 0 {
+        egui::RichText::new(text).color(theme::severity_color(ui, Severity::Error))
+    } else {
+        egui::RichText::new(text)
+    };
+    if ui.button(rich).clicked() {
+        out.push(Intent::Toggle(Part::Log));
+    }
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    let s = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{s}")
+}
+
+/// A count with thin spaces between thousands.
+pub(crate) fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (position, digit) in digits.chars().enumerate() {
+        if position > 0 && (digits.len() - position).is_multiple_of(3) {
+            text.push('\u{2009}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A time in milliseconds, with as many digits as say something.
+fn millis(time: Duration) -> String {
+    let millis = time.as_secs_f64() * 1e3;
+    if millis < 10.0 {
+        format!("{millis:.2} ms")
+    } else {
+        format!("{millis:.0} ms")
+    }
+}
+
+/// A size in MiB.
+fn bytes(count: u64) -> String {
+    format!("{:.1} MiB", count as f64 / (1024.0 * 1024.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_092_000), "1\u{2009}092\u{2009}000");
+    }
+
+    #[test]
+    fn short_times_keep_their_digits() {
+        assert_eq!(millis(Duration::from_micros(1234)), "1.23 ms");
+        assert_eq!(millis(Duration::from_micros(123_456)), "123 ms");
+    }
+}
