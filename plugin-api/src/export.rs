@@ -48,7 +48,7 @@ macro_rules! export {
                 export::root_result(|| export::leak_root(manifest, factories))
             }
 
-            #[unsafe(export_name = "_lib_header_HC_root__module__loader")]
+            #[unsafe(export_name = "_1as_0lib_1header_0root_bmodule_bloader")]
             static HEADER: export::LibHeader = export::header(root);
         };
     };
