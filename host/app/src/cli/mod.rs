@@ -84,6 +84,8 @@ pub(crate) fn start_log(verbose: u8) {
         1 => "pointstage=info,pointstage_engine=info,pointstage_scene=info,error",
         _ => "pointstage=debug,pointstage_engine=debug,pointstage_scene=debug,warn",
     };
+    // Looking for adapters asks OpenGL too; that it has none here is no error where Vulkan has one.
+    let level = format!("{level},wgpu_hal::gles=off");
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
     tracing_subscriber::fmt()
         .with_env_filter(filter)

@@ -249,7 +249,7 @@ impl App {
         if self.panels.settings {
             Panel::right("settings")
                 .resizable(true)
-                .default_size(340.0)
+                .default_size(360.0)
                 .min_size(240.0)
                 .show(ui, |ui| self.settings_ui(ui, out));
         }

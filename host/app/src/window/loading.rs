@@ -7,8 +7,8 @@ use pointstage_scene::{
     Estimation, Job, LoadError, LoadOptions, Loaded, Object, ObjectId, WarningKind, Winding, load,
 };
 
-use super::intent::OpenMode;
-use super::log::Log;
+use super::intent::{Intent, OpenMode};
+use super::log::{Log, Offer};
 use super::session::Session;
 use super::tasks::guarded;
 
@@ -93,14 +93,30 @@ pub(crate) fn arrive(
     let Loaded {
         object, warnings, ..
     } = loaded;
+    // The identity that the object will have in the scene.
+    let id = match place {
+        Place::New(..) => object.id,
+        Place::InsteadOf(id) => id,
+    };
     for warning in warnings.iter() {
-        let severity = match warning.kind {
-            WarningKind::NormalsEstimated | WarningKind::RadiiEstimated | WarningKind::Flipped => {
-                Severity::Info
+        let text = format!("{}: {warning}", object.name);
+        match warning.kind {
+            WarningKind::WoundInward => {
+                let intent = Intent::Flip(id);
+                log.warn_with(
+                    text,
+                    Offer {
+                        label: "Flip",
+                        intent,
+                    },
+                    now,
+                );
             }
-            _ => Severity::Warning,
-        };
-        log.say(severity, format!("{}: {warning}", object.name), now);
+            WarningKind::NormalsEstimated | WarningKind::RadiiEstimated | WarningKind::Flipped => {
+                log.say(Severity::Info, text, now);
+            }
+            _ => log.say(Severity::Warning, text, now),
+        }
     }
     let mut arrival = Arrival::Joined;
     let object = match place {

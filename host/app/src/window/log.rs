@@ -28,8 +28,19 @@ pub(crate) struct Entry {
     pub(crate) notice: Notice,
     /// How often it came.
     pub(crate) count: u32,
+    /// What the program can do about it.
+    pub(crate) offer: Option<Offer>,
     /// When its toast goes, if it has not gone; errors stay until they are dismissed.
     toast: Toast,
+}
+
+/// A button on a message.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Offer {
+    /// The button's text.
+    pub(crate) label: &'static str,
+    /// What it asks for.
+    pub(crate) intent: Intent,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +53,10 @@ enum Toast {
 impl Log {
     /// Adds a message. One that is already there is counted, and moves to the end: never a flood.
     pub(crate) fn add(&mut self, notice: Notice, now: Instant) {
+        self.add_with(notice, None, now);
+    }
+
+    fn add_with(&mut self, notice: Notice, offer: Option<Offer>, now: Instant) {
         match notice.severity {
             Severity::Error => tracing::error!("{}{}", prefix(&notice), notice.text),
             Severity::Warning => tracing::warn!("{}{}", prefix(&notice), notice.text),
@@ -49,12 +64,14 @@ impl Log {
         }
         let toast = match notice.severity {
             Severity::Error => Toast::Stays,
+            _ if offer.is_some() => Toast::Stays,
             _ => Toast::Until(now + TOAST_TIME),
         };
         if let Some(position) = self.entries.iter().position(|entry| entry.notice == notice) {
             let mut entry = self.entries.remove(position);
             entry.count += 1;
             entry.toast = toast;
+            entry.offer = offer;
             self.entries.push(entry);
             return;
         }
@@ -64,6 +81,7 @@ impl Log {
             id,
             notice,
             count: 1,
+            offer,
             toast,
         });
         if self.entries.len() > MOST {
@@ -78,13 +96,12 @@ impl Log {
 
     /// Adds a message of the program itself.
     pub(crate) fn say(&mut self, severity: Severity, text: impl Into<String>, now: Instant) {
-        let notice = Notice {
-            severity,
-            plugin: String::new(),
-            text: text.into(),
-            detail: String::new(),
-        };
-        self.add(notice, now);
+        self.add(own_notice(severity, text.into()), now);
+    }
+
+    /// Adds a warning of the program itself, with what it can do about it.
+    pub(crate) fn warn_with(&mut self, text: impl Into<String>, offer: Offer, now: Instant) {
+        self.add_with(own_notice(Severity::Warning, text.into()), Some(offer), now);
     }
 
     /// All messages, oldest first.
@@ -161,6 +178,15 @@ impl Entry {
     }
 }
 
+fn own_notice(severity: Severity, text: String) -> Notice {
+    Notice {
+        severity,
+        plugin: String::new(),
+        text,
+        detail: String::new(),
+    }
+}
+
 fn prefix(notice: &Notice) -> String {
     if notice.plugin.is_empty() {
         String::new()
@@ -220,6 +246,11 @@ fn entry_ui(ui: &mut egui::Ui, entry: &Entry, out: &mut Intents) {
             if *count > 1 {
                 ui.weak(format!("{count} times"));
             }
+            if let Some(offer) = &entry.offer
+                && ui.small_button(offer.label).clicked()
+            {
+                out.push(offer.intent.clone());
+            }
             if ui.small_button("Copy").clicked() {
                 out.push(Intent::Copy(entry.as_text()));
             }
@@ -268,6 +299,18 @@ mod tests {
         log.dismiss(id);
         assert_eq!(log.toasts(later).count(), 0);
         assert_eq!(log.entries().len(), 2, "the log keeps what was dismissed");
+    }
+
+    #[test]
+    fn a_warning_that_offers_something_stays_until_it_is_answered() {
+        let now = Instant::now();
+        let mut log = Log::default();
+        let intent = Intent::Flip(pointstage_scene::ObjectId(1));
+        let label = "Flip";
+        log.warn_with("wound inward", Offer { label, intent }, now);
+        let later = now + 2 * TOAST_TIME;
+        assert_eq!(log.toasts(later).count(), 1);
+        assert_eq!(log.next_change(later), None, "it asks for no redraw");
     }
 
     #[test]

@@ -55,6 +55,12 @@ pub(crate) fn toasts_ui(ctx: &egui::Context, over: egui::Rect, log: &Log, out: &
                         });
                     });
                     ui.label(&notice.text);
+                    if let Some(offer) = &entry.offer
+                        && ui.button(offer.label).clicked()
+                    {
+                        out.push(offer.intent.clone());
+                        out.push(Intent::Dismiss(entry.id));
+                    }
                 });
             }
             if hidden > 0
