@@ -253,7 +253,7 @@ fn check_targets(info: &PluginInfo, show: &Show, aovs: &[AovFile]) -> Outcome {
         if !given.contains(&key.as_str()) {
             let near = did_you_mean(&nearest_names(key, &given));
             return Err(Failure::usage(format!(
-                "renderer '{}' writes no target '{key}'{near}; it writes {}",
+                "renderer '{}' writes no target '{key}'{near} (it writes {})",
                 info.entry.alias,
                 given.join(", ")
             )));

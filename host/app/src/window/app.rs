@@ -24,7 +24,7 @@ use super::stage_link::{StageLink, legend_of};
 use super::status::{Status, status_ui};
 use super::tasks::Tasks;
 use super::viewport::{Viewport, ViewportAnswer, viewport_ui};
-use super::{help, legend, shortcuts, toasts, welcome};
+use super::{help, legend, progress, shortcuts, toasts, welcome};
 
 /// How often progress is shown while a task runs or a renderer is prepared.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
@@ -278,6 +278,7 @@ impl App {
         {
             legend::legend_ui(ctx, over, &legend);
         }
+        progress::progress_ui(ctx, over, self.tasks.open(), out);
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
         if self.panels.keys {
@@ -318,7 +319,6 @@ impl App {
             refining: shown
                 .map(|shown| shown.progress)
                 .filter(|&progress| progress < 1.0),
-            tasks: self.tasks.open(),
             adapter,
             log: &self.log,
         }

@@ -18,6 +18,7 @@ mod menu;
 mod navigation;
 mod open;
 mod picture;
+mod progress;
 mod rows;
 mod session;
 mod settings;

@@ -103,14 +103,18 @@ fn no_window(error: &eframe::Error) -> Failure {
     let has_display = ["DISPLAY", "WAYLAND_DISPLAY"]
         .iter()
         .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
-    let advice = if cfg!(target_os = "linux") && !has_display {
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run it in a desktop session, under 'xvfb-run', or draw without a window: pointstage render FILE --out picture.png"
-    } else if matches!(error, eframe::Error::Wgpu(_)) {
+    // The toolkit's own words for this are of no use to anybody who is not its author.
+    if cfg!(target_os = "linux") && !has_display {
+        return Failure::Failed(anyhow::anyhow!(
+            "no window can be opened: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run it in a desktop session or under 'xvfb-run', or draw without a window: pointstage render FILE --out picture.png"
+        ));
+    }
+    let advice = if matches!(error, eframe::Error::Wgpu(_)) {
         "no graphics adapter can draw a window; install a driver (on Debian: apt install mesa-vulkan-drivers), or draw without a window: pointstage render FILE --no-device --out picture.png"
     } else {
         "check that the display server runs and that this user may use it, or draw without a window: pointstage render FILE --out picture.png"
     };
     Failure::Failed(anyhow::anyhow!(
-        "no window can be opened ({error}): {advice}"
+        "no window can be opened: {error}; {advice}"
     ))
 }

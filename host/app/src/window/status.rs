@@ -1,13 +1,12 @@
-//! The status bar: what is drawn, how long it took, what runs.
+//! The status bar: what is drawn, by whom, how long it took.
 
 use std::time::Duration;
 
-use egui::{Layout, ProgressBar, Ui};
+use egui::{Layout, Ui};
 use pointstage_engine::stage::{FrameStats, Preparing, Severity};
 
 use super::intent::{Intent, Intents, Part};
 use super::log::Log;
-use super::tasks::TaskState;
 use super::theme;
 
 /// What the bar shows.
@@ -20,8 +19,6 @@ pub(crate) struct Status<'a> {
     pub(crate) preparing: Option<&'a Preparing>,
     /// How far a refining picture has come, below 1.
     pub(crate) refining: Option<f32>,
-    /// Tasks that run or wait.
-    pub(crate) tasks: &'a [TaskState],
     /// The adapter, or why there is none.
     pub(crate) adapter: &'a str,
     /// Messages.
@@ -30,9 +27,6 @@ pub(crate) struct Status<'a> {
 
 /// The bar.
 pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
-    for task in status.tasks {
-        task_ui(ui, task, out);
-    }
     ui.horizontal(|ui| {
         if let Some(stats) = status.stats {
             numbers_ui(ui, stats, status.drawn_by);
@@ -57,29 +51,6 @@ pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
             log_button_ui(ui, status.log, out);
             ui.separator();
             ui.weak(status.adapter);
-        });
-    });
-}
-
-fn task_ui(ui: &mut Ui, task: &TaskState, out: &mut Intents) {
-    ui.push_id(task.id, |ui| {
-        ui.horizontal(|ui| {
-            let name = format!("Cancel {}", task.title);
-            let cancel = ui.button("Cancel").accessible_name(name);
-            if cancel.clicked() {
-                out.push(Intent::Cancel(task.id));
-            }
-            ui.label(&task.title);
-            let stage = if task.job.is_cancelled() {
-                "stopping".to_owned()
-            } else {
-                task.job.stage()
-            };
-            let bar = ProgressBar::new(task.job.progress())
-                .show_percentage()
-                .desired_width(160.0);
-            ui.add(bar);
-            ui.weak(stage);
         });
     });
 }
