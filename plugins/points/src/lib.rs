@@ -56,6 +56,7 @@ impl View<Points> for PointsView {
             path: settings.path,
             auto: AutoPath::ComputeWithInt64,
             features: if settings.is_round { &["round"] } else { &[] },
+            extent: settings.extent(),
             uniform: bytemuck::bytes_of(&uniform),
         };
         self.visibility

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use pointstage_plugin_api::{Result, Settings};
-use pointstage_visibility::Path;
+use pointstage_visibility::{Extent, Path};
 
 /// Greatest size of a sprite, px: the compute path's loop over 255² pixels stays below the 65,535 iterations after which
 /// Mesa's software drivers end a shader's loops.
@@ -36,6 +36,15 @@ impl PointSettings {
             culls_backs: settings.bool("cull_backs")?,
         })
     }
+
+    /// How large the sprites are, where the same for all.
+    pub(crate) fn extent(&self) -> Extent {
+        if self.is_attenuated {
+            Extent::Any
+        } else {
+            Extent::of_reach(0.5 * self.size_px.max(1.0))
+        }
+    }
 }
 
 /// `SpriteUniform` of `shaders/points/sprite.wesl`.
@@ -51,12 +60,12 @@ pub(crate) struct SpriteUniform {
 
 impl From<&PointSettings> for SpriteUniform {
     fn from(settings: &PointSettings) -> Self {
-        let greatest_px = settings.greatest_px.clamp(1.0, GREATEST_PX);
-        let (size, least_px) = if settings.is_attenuated {
-            (settings.scale, settings.least_px)
+        let (size, least_px, greatest_px) = if settings.is_attenuated {
+            (settings.scale, settings.least_px, settings.greatest_px)
         } else {
-            (settings.size_px, 1.0)
+            (settings.size_px, 1.0, GREATEST_PX)
         };
+        let greatest_px = greatest_px.clamp(1.0, GREATEST_PX);
         Self {
             size,
             // Below one pixel a sprite may fall between the pixel centres.

@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use pointstage_plugin_api::prelude::*;
 use pointstage_visibility::{
-    AutoPath, Footprint, Path, Prepared, Request, Varying, VisibilityView,
+    AutoPath, Extent, Footprint, Path, Prepared, Request, Varying, VisibilityView,
 };
 
 /// The disk's footprint, `shaders/surfel/disk.wesl`.
@@ -66,6 +66,7 @@ impl View<Surfel> for SurfelView {
             path: Path::from_id(settings.choice("path")?),
             auto: AutoPath::Raster,
             features: &[],
+            extent: Extent::Any,
             uniform: bytemuck::bytes_of(&uniform),
         };
         self.visibility

@@ -1,5 +1,6 @@
 //! The selection, as the passes walk it: draws for visibility, blocks for shading.
 
+use crate::rectangle::{PixelRectangle, rectangle_of};
 use pointstage_plugin_api::Frame;
 use pointstage_plugin_api::gpu::GroupRef;
 
@@ -23,6 +24,8 @@ pub(crate) struct BlockItem {
     pub(crate) id_base: u32,
     /// Surfels of the block.
     pub(crate) id_count: u32,
+    /// Where its splats can be.
+    pub(crate) pixels: PixelRectangle,
     level: f32,
 }
 
@@ -39,7 +42,8 @@ pub(crate) struct DrawList {
 }
 
 impl DrawList {
-    pub(crate) fn of(frame: &Frame<'_>) -> Self {
+    /// * `reach_px`: how far splats reach from their projected centres, if it is known; px.
+    pub(crate) fn of(frame: &Frame<'_>, reach_px: Option<f32>) -> Self {
         let mut list = Self::default();
         for draw in frame.selection().filter(|draw| draw.count() > 0) {
             let uniform = draw.uniform();
@@ -61,6 +65,7 @@ impl DrawList {
                     columns: draw.columns(),
                     id_base: uniform.id_base,
                     id_count: draw.block().surfel_count(),
+                    pixels: rectangle_of(frame, &draw, reach_px),
                     level: uniform.level,
                 }),
             }

@@ -17,9 +17,12 @@ mod draws;
 mod footprint;
 mod pipelines;
 mod record;
+mod rectangle;
+mod request;
 mod targets;
 mod view;
 
 pub use footprint::{Footprint, Varying};
 pub use pipelines::{Prepared, linked_variants};
-pub use view::{AutoPath, Path, Request, VisibilityView};
+pub use request::{AutoPath, Extent, Path, Request};
+pub use view::VisibilityView;

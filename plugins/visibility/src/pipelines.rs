@@ -14,6 +14,10 @@ use std::sync::{Mutex, PoisonError};
 
 /// Quads of the index buffer; `QUADS_PER_INSTANCE` in the shader.
 pub(crate) const QUADS_PER_INSTANCE: u32 = 65_536;
+/// Invocations of a workgroup.
+const GROUP: u32 = 256;
+/// The same where one thread runs a workgroup: fewer of them start.
+const WIDE_GROUP: u32 = 1024;
 /// Indices of a quad: two triangles.
 pub(crate) const INDICES_PER_QUAD: u32 = 6;
 
@@ -45,6 +49,8 @@ pub(crate) enum Kernel {
 #[derive(Clone)]
 pub(crate) struct Kernels {
     pub(crate) each: ComputePipeline,
+    /// Invocations of a workgroup of `each`.
+    pub(crate) group_size: u32,
     pub(crate) large: ComputePipeline,
 }
 
@@ -157,7 +163,10 @@ impl Prepared {
     /// The compute path's kernels.
     pub(crate) fn compute(&self, features: &[&'static str], kernel: Kernel) -> Result<Kernels> {
         cached(&self.compute, (features.to_vec(), kernel), || {
-            let shader = self.shader(VISIBILITY_COMPUTE, &compute_features(features, kernel))?;
+            let group_size = self.group_size();
+            let mut features = compute_features(features, kernel);
+            features.extend((group_size == WIDE_GROUP).then_some("wide"));
+            let shader = self.shader(VISIBILITY_COMPUTE, &features)?;
             let pipeline = |entry_point| {
                 self.gpu.compute_pipeline(&ComputePipelineOptions {
                     label: entry_point,
@@ -175,9 +184,24 @@ impl Prepared {
             };
             Ok(Kernels {
                 each: pipeline("visibility_compute")?,
+                group_size,
                 large: pipeline("visibility_compute_large")?,
             })
         })
+    }
+
+    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shader.
+    fn group_size(&self) -> u32 {
+        let limits = [
+            "max_compute_invocations_per_workgroup",
+            "max_compute_workgroup_size_x",
+        ];
+        let fits = |limit| self.gpu.limit(limit) >= Some(WIDE_GROUP.into());
+        if self.gpu.is_software() && limits.into_iter().all(fits) {
+            WIDE_GROUP
+        } else {
+            GROUP
+        }
     }
 
     /// The shading pipeline for a set of targets.
@@ -271,16 +295,14 @@ pub fn linked_variants(
         Ok((format!("{}, raster, {features:?}", footprint.name), wgsl))
     });
     let kernels = [Kernel::Whole, Kernel::NearestDepth, Kernel::GreatestId];
-    let compute = kernels.into_iter().map(|kernel| {
-        let wgsl = link(
-            VISIBILITY_COMPUTE,
-            &modules,
-            &compute_features(features, kernel),
-        )?;
-        Ok((
-            format!("{}, compute, {features:?}, {kernel:?}", footprint.name),
-            wgsl,
-        ))
+    let sizes: [&[&str]; 4] = [&[], &["small"], &["one_pixel"], &["wide"]];
+    let pairs = kernels
+        .into_iter()
+        .flat_map(|kernel| sizes.map(|size| (kernel, size)));
+    let compute = pairs.map(|(kernel, size)| {
+        let features = [&compute_features(features, kernel), size].concat();
+        let wgsl = link(VISIBILITY_COMPUTE, &modules, &features)?;
+        Ok((format!("{}, compute, {features:?}", footprint.name), wgsl))
     });
     raster.chain(compute).collect()
 }

@@ -2,6 +2,7 @@
 
 use crate::draws::DrawList;
 use crate::pipelines::{INDICES_PER_QUAD, Kernels, Prepared, QUADS_PER_INSTANCE};
+use crate::request::Extent;
 use crate::targets::{TargetSet, Targets};
 use crate::view::{BLOCK_STRIDE, VisibilityView};
 use pointstage_plugin_api::abi::Handle;
@@ -10,9 +11,6 @@ use pointstage_plugin_api::gpu::{
     AsHandle, BindGroup, ColourAttachment, DepthAttachment, GroupRef, Recorder, RenderPipeline,
 };
 use pointstage_plugin_api::{Error, Result};
-
-/// Invocations of a workgroup; `GROUP_SIZE` in the shader.
-const GROUP_SIZE: u32 = 256;
 
 /// Visibility by the raster pipeline; the texture with the ids.
 pub(crate) fn record_raster(
@@ -70,16 +68,20 @@ pub(crate) fn record_compute(
     frame_group: GroupRef,
     list: &DrawList,
     kernels: &[Kernels],
+    extent: Extent,
 ) -> Result<Handle> {
     let buffers = view.compute.as_ref().ok_or_else(missing)?;
     recorder.clear_buffer(&buffers.pixels);
     for kernel in kernels {
         for draw in &list.draws {
-            recorder.push(ClearBuffer {
-                buffer: buffers.large.as_handle(),
-                offset: 0,
-                size: 4,
-            });
+            let has_large = extent == Extent::Any;
+            if has_large {
+                recorder.push(ClearBuffer {
+                    buffer: buffers.large.as_handle(),
+                    offset: 0,
+                    size: 4,
+                });
+            }
             let mut pass = recorder.compute_pass("visibility");
             let groups = |pass: &mut pointstage_plugin_api::gpu::ComputePass<'_>| {
                 pass.set_bind_group(0, &frame_group, &[draw.uniform_offset]);
@@ -89,8 +91,11 @@ pub(crate) fn record_compute(
             };
             pass.set_pipeline(&kernel.each);
             groups(&mut pass);
-            pass.dispatch_linear(draw.count, GROUP_SIZE);
+            pass.dispatch_linear(draw.count, kernel.group_size);
             drop(pass);
+            if !has_large {
+                continue;
+            }
 
             // A buffer cannot be written and give a dispatch its arguments at once.
             recorder.push(CopyBufferToBuffer {
@@ -131,9 +136,13 @@ pub(crate) fn record_shading(
     );
     pass.set_pipeline(pipeline);
     for (block, offset) in list.blocks.iter().zip((0..).step_by(BLOCK_STRIDE as usize)) {
+        if block.pixels.size.contains(&0) {
+            continue;
+        }
         pass.set_bind_group(0, &frame_group, &[block.uniform_offset]);
         pass.set_bind_group(1, &block.columns, &[]);
         pass.set_bind_group(2, visible, &[offset]);
+        pass.set_scissor(block.pixels.origin, block.pixels.size);
         pass.draw(0..3, 0..1);
     }
 }

@@ -3,57 +3,13 @@
 use crate::draws::DrawList;
 use crate::pipelines::{Kernel, Kernels, Prepared, Source};
 use crate::record::{record_compute, record_raster, record_shading};
+use crate::request::{AutoPath, Path, Request};
 use crate::targets::Targets;
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::gpu::{
     AsHandle as _, BindGroup, Buffer, Gpu, Recorder, Texture, TextureOptions,
 };
 use pointstage_plugin_api::{Frame, Host, Outcome, Result, statistics};
-
-/// Which way the user wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
-    /// The faster one for the device, by [`AutoPath`].
-    Auto,
-    /// The raster pipeline.
-    Raster,
-    /// Compute kernels with atomics.
-    Compute,
-}
-
-impl Path {
-    /// From the id of a `path` setting's option; anything unknown is [`Path::Auto`].
-    pub fn from_id(id: &str) -> Self {
-        match id {
-            "raster" => Self::Raster,
-            "compute" => Self::Compute,
-            _ => Self::Auto,
-        }
-    }
-}
-
-/// What [`Path::Auto`] takes: compute on software devices always (measured on lavapipe: several times faster), and on
-/// others as this says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AutoPath {
-    /// Compute where one 64-bit maximum does it, for splats of few pixels.
-    ComputeWithInt64,
-    /// Raster, for splats of many pixels.
-    Raster,
-}
-
-/// How a renderer wants a frame drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct Request<'a> {
-    /// Raster or compute.
-    pub path: Path,
-    /// What `Auto` means for this renderer.
-    pub auto: AutoPath,
-    /// Features of the footprint's module.
-    pub features: &'a [&'static str],
-    /// The footprint's uniform, of the size that [`crate::Footprint`] says.
-    pub uniform: &'a [u8],
-}
 
 /// `BlockUniform` of the shading pass (first id, number of ids), padded to an offset that every device accepts.
 type BlockUniform = [u32; 64];
@@ -137,7 +93,7 @@ impl VisibilityView {
         frame: &mut Frame<'_>,
         request: &Request<'_>,
     ) -> Result<Outcome> {
-        let list = DrawList::of(frame);
+        let list = DrawList::of(frame, request.extent.reach_px());
         let targets = Targets::of(frame);
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
@@ -151,7 +107,14 @@ impl VisibilityView {
         let (source, set, visible) = if by_compute {
             let kernels = compute_kernels(prepared, request)?;
             self.ready_compute(prepared, frame.size_px())?;
-            let visible = record_compute(&mut recorder, self, frame.group(), &list, &kernels)?;
+            let visible = record_compute(
+                &mut recorder,
+                self,
+                frame.group(),
+                &list,
+                &kernels,
+                request.extent,
+            )?;
             (Source::Pixels, targets.all(), visible)
         } else {
             self.ready_raster(gpu, frame.size_px())?;
@@ -371,9 +334,15 @@ fn compute_kernels(prepared: &Prepared, request: &Request<'_>) -> Result<Vec<Ker
     } else {
         &[Kernel::NearestDepth, Kernel::GreatestId]
     };
+    let features: Vec<_> = request
+        .features
+        .iter()
+        .copied()
+        .chain(request.extent.feature())
+        .collect();
     kernels
         .iter()
-        .map(|&kernel| prepared.compute(request.features, kernel))
+        .map(|&kernel| prepared.compute(&features, kernel))
         .collect()
 }
 

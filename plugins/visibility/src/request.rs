@@ -1,0 +1,106 @@
+//! How a renderer wants a frame drawn: by which path, and what it knows of its splats.
+
+/// Which way the user wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// The faster one for the device, by [`AutoPath`].
+    Auto,
+    /// The raster pipeline.
+    Raster,
+    /// Compute kernels with atomics.
+    Compute,
+}
+
+impl Path {
+    /// From the id of a `path` setting's option; anything unknown is [`Path::Auto`].
+    pub fn from_id(id: &str) -> Self {
+        match id {
+            "raster" => Self::Raster,
+            "compute" => Self::Compute,
+            _ => Self::Auto,
+        }
+    }
+}
+
+/// What [`Path::Auto`] takes: compute on software devices always (measured on lavapipe: several times faster), and on
+/// others as this says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AutoPath {
+    /// Compute where one 64-bit maximum does it, for splats of few pixels.
+    ComputeWithInt64,
+    /// Raster, for splats of many pixels.
+    Raster,
+}
+
+/// How large the splats of a frame are; what is known spares work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// Each covers exactly the pixel that its centre lies in.
+    OnePixel,
+    /// None reaches farther than this from its projected centre, in x or y; px, at most 15.
+    Within(f32),
+    /// Anything.
+    Any,
+}
+
+impl Extent {
+    /// Up to here no splat counts as large: (2 · 15 + 1)² < `LARGE_PIXELS` of the shader.
+    const GREATEST_PX: f32 = 15.0;
+
+    /// For splats that reach `reach_px` from their centres in x and y; px.
+    pub fn of_reach(reach_px: f32) -> Self {
+        if reach_px <= 0.5 {
+            Self::OnePixel
+        } else if reach_px <= Self::GREATEST_PX {
+            Self::Within(reach_px)
+        } else {
+            Self::Any
+        }
+    }
+
+    /// Feature of the compute kernel.
+    pub(crate) fn feature(self) -> Option<&'static str> {
+        match self {
+            Self::OnePixel => Some("one_pixel"),
+            Self::Within(_) => Some("small"),
+            Self::Any => None,
+        }
+    }
+
+    /// Reach of the splats, if it is known; px.
+    pub(crate) fn reach_px(self) -> Option<f32> {
+        match self {
+            Self::OnePixel => Some(0.5),
+            Self::Within(reach) => Some(reach),
+            Self::Any => None,
+        }
+    }
+}
+
+/// How a renderer wants a frame drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// Raster or compute.
+    pub path: Path,
+    /// What `Auto` means for this renderer.
+    pub auto: AutoPath,
+    /// Features of the footprint's module.
+    pub features: &'a [&'static str],
+    /// How large the splats are.
+    pub extent: Extent,
+    /// The footprint's uniform, of the size that [`crate::Footprint`] says.
+    pub uniform: &'a [u8],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extent_follows_from_the_reach() {
+        assert_eq!(Extent::of_reach(0.5), Extent::OnePixel);
+        assert_eq!(Extent::of_reach(1.5), Extent::Within(1.5));
+        assert_eq!(Extent::of_reach(15.5), Extent::Any);
+        assert_eq!(Extent::of_reach(f32::NAN), Extent::Any);
+    }
+}
