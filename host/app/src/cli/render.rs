@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use super::load::LoadArguments;
 use super::values::{self, AovFile, AovFormat};
 use super::{Failure, Globals, Outcome};
-use crate::output::{exr_file, names, png_file, whole_file};
+use crate::output::{exr_file, file_values, names, png_file, whole_file};
 
 /// Size of a picture when neither `--size` nor the view says one, px.
 const DEFAULT_SIZE: [u32; 2] = [1280, 720];
@@ -298,7 +298,8 @@ impl Place<'_> {
                             result.available_targets.join(", ")
                         ))
                     })?;
-                    let bytes = exr_file::encode(&aov.key, result.picture.size_px, plane)?;
+                    let plane = file_values::for_file(&aov.key, plane, view);
+                    let bytes = exr_file::encode(&aov.key, result.picture.size_px, &plane)?;
                     whole_file::write(&path, &bytes)?;
                 }
                 AovFormat::Png => {
