@@ -6,6 +6,8 @@
 //! pictures are drawn by the stage's own thread, and the last one is shown until the next is there.
 
 mod app;
+#[cfg(test)]
+mod app_tests;
 mod apply;
 mod asking;
 mod dialogs;
