@@ -4,6 +4,7 @@
 //! * [`scenes`] makes small scenes as PLY files; [`data`] finds the shared test data folder, or says that it skips.
 //! * [`render`] draws such scenes with one fixed view.
 //! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
+//! * [`plugins`] builds the misbehaving plugins of `tests/plugins/`.
 //! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
 //!
 //! A test that cannot run on this machine prints one line that begins with `skipped: ` and returns; `cargo xtask test`
@@ -12,6 +13,7 @@
 pub mod compare;
 pub mod data;
 pub mod golden;
+pub mod plugins;
 pub mod program;
 pub mod render;
 pub mod scenes;

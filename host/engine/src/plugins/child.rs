@@ -3,14 +3,18 @@
 //! `program __examine-plugin check FILE` loads a library and checks it; `program __examine-plugin try REQUEST` draws a
 //! frame. The answer is one line on standard output, marked, so that what a plugin prints itself does not matter.
 
+use super::discover::DiscoverOptions;
 use super::library;
 use super::load_error::LoadPluginError;
-use super::verdict::Verdict;
+use super::verdict::{Verdict, VerdictClass};
+use crate::device::{Backend, DeviceOptions};
+use crate::stage::{self, StageOptions};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::str::FromStr as _;
 
 /// First argument of the program as an examining child.
 pub(super) const HIDDEN_COMMAND: &str = "__examine-plugin";
@@ -87,18 +91,41 @@ fn check(file: &Path) -> Answer {
     }
 }
 
-/// How a trial of one frame ended: its verdict, or why nothing can be said.
-type TrialFn = fn(&TrialRequest) -> Verdict;
-
-/// Draws the frame.
-const TRIAL: Option<TrialFn> = None;
-
+/// Draws one frame with a plugin, or the control frame without any.
+///
+/// A plugin that refuses with an error is a good plugin: the session shows that error where the user looks.
 fn try_out(request: &OsString) -> Verdict {
-    let request = request
+    let request: Option<TrialRequest> = request
         .to_str()
         .and_then(|json| serde_json::from_str(json).ok());
-    match (request, TRIAL) {
-        (Some(request), Some(trial)) => trial(&request),
-        _ => Verdict::rejected("the trial's request cannot be read"),
+    let not_examined = |message: String| Verdict::new(VerdictClass::NotExamined, message);
+    let Some(request) = request else {
+        return not_examined("the trial's request cannot be read".to_owned());
+    };
+    let backend = request
+        .backend
+        .as_deref()
+        .map(Backend::from_str)
+        .transpose();
+    let backend = match backend {
+        Ok(backend) => backend,
+        Err(error) => return not_examined(error.to_string()),
+    };
+    let (files, renderer) = request.plugin.map(|(file, id)| (vec![file], id)).unzip();
+    let options = StageOptions {
+        device: DeviceOptions {
+            backend,
+            adapter: request.adapter,
+        },
+        use_device: request.use_device,
+        plugins: DiscoverOptions {
+            files: files.unwrap_or_default(),
+            ..DiscoverOptions::default()
+        },
+        ..StageOptions::default()
+    };
+    match stage::try_out(options, renderer.as_deref()) {
+        Ok(_) => Verdict::ok(),
+        Err(error) => not_examined(error.to_string()),
     }
 }

@@ -20,18 +20,15 @@ const LONGEST_JOURNAL: u64 = 1 << 20;
 pub enum Act {
     /// Its library is loaded.
     Load,
-    /// It is prepared or makes a view.
-    Create,
-    /// It draws its first frame.
-    FirstFrame,
+    /// It prepares and draws for the first time.
+    FirstUse,
 }
 
 impl Act {
     fn in_words(self) -> &'static str {
         match self {
             Self::Load => "while its library was loaded",
-            Self::Create => "while it prepared the scene",
-            Self::FirstFrame => "while it drew its first frame",
+            Self::FirstUse => "while it prepared and drew for the first time",
         }
     }
 }
@@ -232,7 +229,7 @@ mod tests {
             plugin: plugin.into(),
             file: "/plugins/lib.so".into(),
             hash: "00".into(),
-            act: Act::FirstFrame,
+            act: Act::FirstUse,
         }
     }
 
@@ -248,7 +245,7 @@ mod tests {
         leave_behind(folder.path(), &left);
         let (_journal, culprits) = Journal::open(folder.path());
         assert_eq!(culprits, [culprit("org.example.bad")]);
-        assert!(culprits[0].to_string().contains("drew its first frame"));
+        assert!(culprits[0].to_string().contains("for the first time"));
         let (_second, again) = Journal::open(folder.path());
         assert_eq!(again, [], "told once");
     }

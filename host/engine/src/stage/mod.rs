@@ -13,6 +13,7 @@
 //! frame opens a new one and prepares again. [`StageThread`] does all this on a thread of its own, for windows.
 
 mod draw;
+mod first_use;
 mod ids;
 mod options;
 mod prepare;

@@ -10,7 +10,7 @@ use super::viewport::Viewport;
 use crate::device::GpuDevice;
 use crate::frame::compose::Composer;
 use crate::gpu::{GpuService, Owner};
-use crate::plugins::{Factory, HostInstance, PluginInfo, Registry, suitability};
+use crate::plugins::{Act, Factory, HostInstance, PluginInfo, Registry, Watch, suitability};
 use pointstage_plugin_api::Error as PluginError;
 use pointstage_plugin_api::abi::{HostRef, RendererBox, StructureBox};
 use pointstage_plugin_api::settings_schema::{SettingCost, SettingValues, snapshot};
@@ -72,6 +72,8 @@ pub(super) struct Instance<P> {
     device: u64,
     /// The failure that was last told, so that it is told once.
     told: Option<PluginError>,
+    /// Names the plugin in the crash journal until it has drawn once, or failed in a way that was survived.
+    watch: Option<Watch>,
 }
 
 /// A plugin, and how its preparation stands.
@@ -194,6 +196,9 @@ impl Stage {
         };
         let error = match self.draw(request, drawer) {
             Ok(result) => {
+                if let Some(instance) = self.renderers.get_mut(&id) {
+                    instance.watch = None;
+                }
                 self.viewport(request).last_good = Some(id);
                 return Ok(result);
             }
@@ -250,10 +255,10 @@ impl Stage {
                 Ok((drawer, Some(preparing)))
             }
             Ok((info, Standing::Failed(source))) => {
-                let told = self
-                    .renderers
-                    .get_mut(&info.id)
-                    .and_then(|instance| instance.told.replace(source.clone()));
+                let told = self.renderers.get_mut(&info.id).and_then(|instance| {
+                    instance.watch = None;
+                    instance.told.replace(source.clone())
+                });
                 let error = FrameError::Plugin {
                     plugin: info.id.clone(),
                     source: source.clone(),
@@ -391,6 +396,8 @@ impl Stage {
 
     /// Loads a plugin and makes its host object.
     fn instance<P>(&self, info: &Arc<PluginInfo>) -> Result<Instance<P>, FrameError> {
+        self.try_first(info)?;
+        let watch = self.registry.watch(info, Act::FirstUse);
         let factory = self.registry.load(info)?;
         let needs = &info.entry.needs;
         let features: Vec<String> = needs
@@ -416,6 +423,7 @@ impl Stage {
             owner,
             device: self.generation(),
             told: None,
+            watch: Some(watch),
         })
     }
 
@@ -471,6 +479,7 @@ impl Stage {
             };
             instance.told = Some(source.clone());
             instance.slot.fail(source);
+            instance.watch = None;
         }
     }
 
