@@ -55,7 +55,7 @@ impl View<Points> for PointsView {
         let request = Request {
             path: settings.path,
             auto: AutoPath::ComputeWithInt64,
-            features: if settings.is_round { &["round"] } else { &[] },
+            features: settings.features(),
             extent: settings.extent(),
             uniform: bytemuck::bytes_of(&uniform),
         };

@@ -12,7 +12,7 @@ const GREATEST_PX: f32 = 255.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointSettings {
     pub(crate) path: Path,
-    pub(crate) is_round: bool,
+    is_round: bool,
     is_attenuated: bool,
     /// Fixed size; px.
     size_px: f32,
@@ -37,6 +37,16 @@ impl PointSettings {
         })
     }
 
+    /// Features of the sprite's shader.
+    pub(crate) fn features(&self) -> &'static [&'static str] {
+        match (self.is_round, self.culls_backs) {
+            (false, false) => &[],
+            (false, true) => &["cull_backs"],
+            (true, false) => &["round"],
+            (true, true) => &["round", "cull_backs"],
+        }
+    }
+
     /// How large the sprites are, where the same for all.
     pub(crate) fn extent(&self) -> Extent {
         if self.is_attenuated {
@@ -55,7 +65,6 @@ pub(crate) struct SpriteUniform {
     pub(crate) least_px: f32,
     pub(crate) greatest_px: f32,
     pub(crate) is_attenuated: u32,
-    pub(crate) culls_backs: u32,
 }
 
 impl From<&PointSettings> for SpriteUniform {
@@ -72,7 +81,6 @@ impl From<&PointSettings> for SpriteUniform {
             least_px: least_px.clamp(1.0, greatest_px),
             greatest_px,
             is_attenuated: settings.is_attenuated.into(),
-            culls_backs: settings.culls_backs.into(),
         }
     }
 }

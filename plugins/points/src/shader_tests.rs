@@ -23,9 +23,8 @@ fn every_variant_validates_with_the_uniform_of_the_rust_side() {
         ("least_px", offset_of!(SpriteUniform, least_px)),
         ("greatest_px", offset_of!(SpriteUniform, greatest_px)),
         ("is_attenuated", offset_of!(SpriteUniform, is_attenuated)),
-        ("culls_backs", offset_of!(SpriteUniform, culls_backs)),
     ];
-    for features in [&[][..], &["round"]] {
+    for features in [&[][..], &["round"], &["cull_backs", "direct"]] {
         for (name, wgsl) in linked_variants(&SPRITE, features).unwrap() {
             let module = validated(&name, &wgsl);
             let uniform = module

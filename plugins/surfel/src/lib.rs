@@ -20,7 +20,6 @@ pub const DISK: Footprint = Footprint {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct DiskUniform {
     scale: f32,
-    culls_backs: u32,
 }
 
 /// The renderer, prepared.
@@ -60,12 +59,15 @@ impl View<Surfel> for SurfelView {
         let settings = frame.settings();
         let uniform = DiskUniform {
             scale: settings.float("splat_scale")?,
-            culls_backs: settings.bool("cull_backs")?.into(),
         };
         let request = Request {
             path: Path::from_id(settings.choice("path")?),
             auto: AutoPath::Raster,
-            features: &[],
+            features: if settings.bool("cull_backs")? {
+                &["cull_backs"]
+            } else {
+                &[]
+            },
             extent: Extent::Any,
             uniform: bytemuck::bytes_of(&uniform),
         };

@@ -1,8 +1,8 @@
 //! The selection, as the passes walk it: draws for visibility, blocks for shading.
 
 use crate::rectangle::{PixelRectangle, rectangle_of};
-use pointstage_plugin_api::Frame;
 use pointstage_plugin_api::gpu::GroupRef;
+use pointstage_plugin_api::{DrawFlags, Frame};
 
 /// One draw of the selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,8 @@ pub(crate) struct DrawList {
     pub(crate) blocks: Vec<BlockItem>,
     /// Whether draws of one block have different levels: then only the raster path can tell a pixel's level.
     pub(crate) mixes_levels: bool,
+    /// Whether no draw is indexed or indirect.
+    pub(crate) is_direct: bool,
     /// Surfels selected, at most.
     pub(crate) surfel_count: u64,
 }
@@ -44,9 +46,14 @@ pub(crate) struct DrawList {
 impl DrawList {
     /// * `reach_px`: how far splats reach from their projected centres, if it is known; px.
     pub(crate) fn of(frame: &Frame<'_>, reach_px: Option<f32>) -> Self {
-        let mut list = Self::default();
+        let mut list = Self {
+            is_direct: true,
+            ..Self::default()
+        };
         for draw in frame.selection().filter(|draw| draw.count() > 0) {
             let uniform = draw.uniform();
+            let indirections = DrawFlags::INDEXED | DrawFlags::INDIRECT;
+            list.is_direct &= !draw.flags().intersects(indirections);
             list.surfel_count += u64::from(draw.count());
             list.draws.push(DrawItem {
                 uniform_offset: draw.uniform_offset(),

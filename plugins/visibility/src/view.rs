@@ -103,9 +103,11 @@ impl VisibilityView {
         let blocks = self.write_blocks(gpu, &list)?;
 
         let by_compute = self.takes_compute(gpu, frame.size_px(), request, &list, &targets);
+        let direct = list.is_direct.then_some("direct");
+        let features: Vec<_> = request.features.iter().copied().chain(direct).collect();
         let mut recorder = Recorder::new();
         let (source, set, visible) = if by_compute {
-            let kernels = compute_kernels(prepared, request)?;
+            let kernels = compute_kernels(prepared, request, &features)?;
             self.ready_compute(prepared, frame.size_px())?;
             let visible = record_compute(
                 &mut recorder,
@@ -118,7 +120,7 @@ impl VisibilityView {
             (Source::Pixels, targets.all(), visible)
         } else {
             self.ready_raster(gpu, frame.size_px())?;
-            let pipeline = prepared.raster(request.features, targets.level().is_some())?;
+            let pipeline = prepared.raster(&features, targets.level().is_some())?;
             let visible = record_raster(
                 &mut recorder,
                 self,
@@ -328,18 +330,18 @@ impl VisibilityView {
 }
 
 /// The kernels of a frame, in order: one where 64 bits hold depth and id, else one after the other.
-fn compute_kernels(prepared: &Prepared, request: &Request<'_>) -> Result<Vec<Kernels>> {
+fn compute_kernels(
+    prepared: &Prepared,
+    request: &Request<'_>,
+    features: &[&'static str],
+) -> Result<Vec<Kernels>> {
     let kernels: &[_] = if has_int64(&prepared.gpu) {
         &[Kernel::Whole]
     } else {
         &[Kernel::NearestDepth, Kernel::GreatestId]
     };
-    let features: Vec<_> = request
-        .features
-        .iter()
-        .copied()
-        .chain(request.extent.feature())
-        .collect();
+    let of_extent = request.extent.feature();
+    let features: Vec<_> = features.iter().copied().chain(of_extent).collect();
     kernels
         .iter()
         .map(|&kernel| prepared.compute(&features, kernel))
