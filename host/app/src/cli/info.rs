@@ -6,8 +6,8 @@ use clap::Args;
 use pointstage_scene::{Loaded, Provenance};
 use serde_json::{Value, json};
 
-use super::Outcome;
 use super::load::LoadArguments;
+use super::{Outcome, write_out};
 
 /// Arguments of `info`.
 #[derive(Debug, Args)]
@@ -34,12 +34,12 @@ pub(crate) fn run(arguments: &InfoArguments) -> Outcome {
     for path in &arguments.files {
         let facts = facts(path, &arguments.load.load(path)?);
         if !arguments.json {
-            print(&facts);
+            write_out(&lines(&facts).join("\n"))?;
         }
         all.push(facts);
     }
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&Value::Array(all))?);
+        write_out(&serde_json::to_string_pretty(&Value::Array(all))?)?;
     }
     Ok(())
 }
@@ -96,13 +96,14 @@ fn provenance(provenance: Provenance) -> &'static str {
 }
 
 /// The facts as lines, aligned.
-fn print(facts: &Value) {
-    let line = |name: &str, value: String| println!("{name:<12}{value}");
+fn lines(facts: &Value) -> Vec<String> {
+    let mut lines = Vec::new();
     let text = |key: &str| match &facts[key] {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     };
-    println!("{}", text("file"));
+    lines.push(text("file"));
+    let mut line = |name: &str, value: String| lines.push(format!("{name:<12}{value}"));
     line("  surfels", text("surfels"));
     line("  triangles", text("triangles"));
     for column in ["normals", "radii", "colours", "axes"] {
@@ -137,4 +138,5 @@ fn print(facts: &Value) {
         line("  to", vector(&facts["bounds"]["max"]));
         line("  size", vector(&facts["bounds"]["size"]));
     }
+    lines
 }

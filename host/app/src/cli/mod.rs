@@ -9,6 +9,7 @@ mod info;
 mod load;
 mod plugins;
 mod render;
+mod stdout;
 mod values;
 
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ use clap::{Parser, Subcommand};
 
 pub(crate) use failure::{Failure, Outcome};
 pub(crate) use globals::Globals;
+pub(crate) use stdout::write_out;
 
 /// Show and render point clouds and meshes as surfels, with renderers that are plugins.
 ///

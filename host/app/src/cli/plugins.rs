@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use pointstage_engine::plugins::{PluginFile, Registry};
 use serde_json::{Value, json};
 
-use super::{Failure, Globals, Outcome};
+use super::{Failure, Globals, Outcome, write_out};
 
 /// Commands about plugins.
 #[derive(Debug, Subcommand)]
@@ -99,31 +99,34 @@ fn probe(globals: &Globals, arguments: &ProbeArguments) -> Outcome {
 fn show(files: Vec<&PluginFile>, as_json: bool) -> Outcome {
     if as_json {
         let facts: Vec<Value> = files.into_iter().map(facts).collect();
-        println!("{}", serde_json::to_string_pretty(&facts)?);
-        return Ok(());
+        return write_out(&serde_json::to_string_pretty(&facts)?);
     }
     if files.is_empty() {
-        println!(
-            "No plugins found. They stand beside the program or in 'plugins' there, in the user's plugin folder, or in the folders of POINTSTAGE_PLUGIN_PATH."
+        return write_out(
+            "No plugins found. They stand beside the program or in 'plugins' there, in the user's plugin folder, or in the folders of POINTSTAGE_PLUGIN_PATH.",
         );
     }
-    for file in files {
-        print(file);
-    }
-    Ok(())
+    let lines: Vec<String> = files.into_iter().flat_map(lines).collect();
+    write_out(&lines.join("\n"))
 }
 
-fn print(file: &PluginFile) {
-    println!("{}: {}", file.path.display(), file.verdict.in_words());
-    for plugin in file.manifest.iter().flat_map(|manifest| &manifest.plugins) {
-        println!(
+fn lines(file: &PluginFile) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{}: {}",
+        file.path.display(),
+        file.verdict.in_words()
+    )];
+    let plugins = file.manifest.iter().flat_map(|manifest| &manifest.plugins);
+    lines.extend(plugins.map(|plugin| {
+        format!(
             "  {} {} ({} {}): {}",
             plugin.kind, plugin.alias, plugin.id, plugin.version, plugin.title
-        );
-    }
+        )
+    }));
     if !file.verdict.message.is_empty() {
-        println!("  {}", file.verdict.message);
+        lines.push(format!("  {}", file.verdict.message));
     }
+    lines
 }
 
 /// One object a file; its plugins are entries of the manifest with the file's verdict, so that a script need not look up.

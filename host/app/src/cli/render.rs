@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use super::load::LoadArguments;
 use super::values::{self, AovFile, AovFormat};
-use super::{Failure, Globals, Outcome};
+use super::{Failure, Globals, Outcome, write_out};
 use crate::output::{exr_file, file_values, names, png_file, whole_file};
 
 /// Size of a picture when neither `--size` nor the view says one, px.
@@ -119,7 +119,7 @@ pub(crate) fn run(globals: &Globals, arguments: &RenderArguments) -> Outcome {
         whole_file::write(path, text.as_bytes())?;
     }
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&written)?);
+        write_out(&serde_json::to_string_pretty(&written)?)?;
     }
     Ok(())
 }
