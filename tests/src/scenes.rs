@@ -70,12 +70,15 @@ pub fn crossing_planes(side: u32) -> Vec<Surfel> {
 }
 
 /// A flat square in the x-y plane, −1..1, of `side`² disks, in two alternating colours; it faces +z.
+///
+/// The light disks lie 0.01 in front of the dark ones: where disks of two colours lie in one plane, rounding alone
+/// decides which is seen.
 pub fn grid(side: u32) -> Vec<Surfel> {
     let surfel = |(index, (x, y)): (usize, (f32, f32))| {
         let odd = (index as u32 / side + index as u32 % side) % 2 == 1;
         let colour = if odd { [230, 230, 230] } else { [60, 120, 60] };
         Surfel {
-            centre: Vec3::new(x, y, 0.0),
+            centre: Vec3::new(x, y, if odd { 0.01 } else { 0.0 }),
             normal: Vec3::Z,
             radius: grid_radius(side),
             colour,
