@@ -145,6 +145,9 @@ pub fn spoiled(
 }
 
 /// Puts `new` wherever `old`, of the same length, is in `bytes`; returns how often.
+///
+/// # Panics
+/// When the lengths differ: the file's layout has to stay.
 pub fn replace_all(bytes: &mut [u8], old: &[u8], new: &[u8]) -> usize {
     assert_eq!(old.len(), new.len(), "the file's layout has to stay");
     let places: Vec<usize> = bytes

@@ -86,7 +86,7 @@ fn a_truncated_library_is_refused_at_every_length() -> Result<()> {
         length * 3 / 4,
     ] {
         let cut = spoiled(&library, folder.path(), &format!("cut-{part}"), |bytes| {
-            bytes.truncate(part)
+            bytes.truncate(part);
         })?;
         let found = verdict(cut)?;
         assert_eq!(
@@ -167,7 +167,7 @@ fn a_damaged_manifest_is_refused_with_its_place() -> Result<()> {
 fn another_major_version_is_refused_with_both_versions_and_advice() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let spoil = |bytes: &mut Vec<u8>| {
-        assert!(replace_all(bytes, b"\"api\": \"1.0\"", b"\"api\": \"2.0\"") > 0)
+        assert!(replace_all(bytes, b"\"api\": \"1.0\"", b"\"api\": \"2.0\"") > 0);
     };
     let later = spoiled(&plugins::misbehaving()?, folder.path(), "later", spoil)?;
     assert_refused(
@@ -233,14 +233,14 @@ fn a_crash_an_abort_an_exit_and_a_hang_on_load_are_quarantined() -> Result<()> {
 fn a_quarantined_file_is_not_loaded_again_until_the_user_says_so() -> Result<()> {
     let (folder, state) = (tempfile::tempdir()?, tempfile::tempdir()?);
     let file = plugins::on_load("segfault", folder.path())?;
-    let first = examined(&[file.clone()], Some(state.path()));
+    let first = examined(std::slice::from_ref(&file), Some(state.path()));
     assert!(!first.files()[0].from_cache);
     let error = first
         .find_renderer("onload")
         .expect_err("quarantined")
         .to_string();
     assert!(error.contains("SIGSEGV"), "{error}");
-    let second = examined(&[file.clone()], Some(state.path()));
+    let second = examined(std::slice::from_ref(&file), Some(state.path()));
     assert!(second.files()[0].from_cache, "the verdict is remembered");
     assert!(second.files()[0].verdict.is_quarantined());
     second.retry(&second.files()[0].path);

@@ -297,6 +297,10 @@ fn a_plugin_of_a_newer_border_draws() -> Result<()> {
 }
 
 #[test]
+#[expect(
+    clippy::default_trait_access,
+    reason = "the border's slices have no name outside of it"
+)]
 fn a_cancelled_preparation_returns_at_once() -> Result<()> {
     let files = vec![plugins::misbehaving()?];
     let registry = Registry::discover(&DiscoverOptions {
