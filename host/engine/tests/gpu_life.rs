@@ -142,12 +142,13 @@ fn every_call_after_the_loss_of_the_device_says_so() {
     let lost = |error: ErrorRecord| {
         assert_eq!(error.code, ErrorCode::DEVICE_LOST, "{}", error.message);
     };
-    lost(err(rig.gpu.write_buffer(buffer, 0, [0; 4][..].into())));
+    // wgpu tells of it when it is polled: by whoever creates, polls a ticket, or waits for a frame.
     lost(err(rig.gpu.create_buffer(&BufferDescriptor {
         label: "late".into(),
         size: 4,
         usage: BufferUsage::STORAGE,
     })));
+    lost(err(rig.gpu.write_buffer(buffer, 0, [0; 4][..].into())));
     lost(err(rig.try_shader("fn f() {}")));
     lost(err(rig.try_group(layout, &[buffer])));
     lost(err(rig.gpu.poll_ticket(ticket)));
@@ -169,6 +170,26 @@ fn every_call_after_the_loss_of_the_device_says_so() {
     }
     let error = err(next.gpu.write_buffer(buffer, 0, [0; 4][..].into()));
     assert_eq!(error.code, ErrorCode::BAD_HANDLE);
+}
+
+#[test]
+fn a_frame_after_the_loss_draws_nothing_and_waiting_for_it_says_so() {
+    let Some(rig) = Rig::on_its_own_device() else {
+        return;
+    };
+    let buffer = rig.storage(&[1]);
+    let clear = ClearBuffer {
+        buffer,
+        offset: 0,
+        size: 4,
+    };
+    rig.service.device().device.destroy();
+    let error = match rig.try_run(vec![clear.into()]) {
+        Ok(replay) => replay.wait(PATIENCE).expect_err("the device is lost"),
+        Err(error) => error,
+    };
+    assert_eq!(error.code(), ErrorCode::DEVICE_LOST, "{error}");
+    assert!(rig.service.device().take_errors().is_empty());
 }
 
 #[test]

@@ -145,13 +145,24 @@ impl GpuDevice {
         self.loss.is_lost()
     }
 
-    /// [`GpuError::DeviceLost`] once the device is gone. Asks the driver, without waiting.
+    /// [`GpuError::DeviceLost`] once the loss is known. Costs nothing; a driver's loss is known at once, but a
+    /// destroyed wgpu device only when it is polled.
+    ///
+    /// # Errors
+    ///
+    /// Only that one.
+    pub fn check_not_lost(&self) -> Result<(), GpuError> {
+        self.loss.check()
+    }
+
+    /// [`GpuError::DeviceLost`] once the device is gone. Polls the device, which also runs the callbacks of what has
+    /// finished; never waits, but takes some microseconds.
     ///
     /// # Errors
     ///
     /// Only that one.
     pub fn check_alive(&self) -> Result<(), GpuError> {
-        // A destroyed device reports its loss when it is polled. What the poll itself says is of no interest here.
+        // What the poll itself says is of no interest here.
         self.device.poll(wgpu::PollType::Poll).ok();
         self.loss.check()
     }

@@ -212,10 +212,12 @@ impl Table {
             .count()
     }
 
+    #[inline]
     fn index(handle: Handle) -> Option<usize> {
         (handle.0 as u32).checked_sub(1).map(|index| index as usize)
     }
 
+    #[inline]
     fn slot(&self, handle: Handle) -> Option<&Slot> {
         self.slots
             .get(Self::index(handle)?)
@@ -223,6 +225,7 @@ impl Table {
     }
 
     /// The resource, if this owner may use it.
+    #[inline]
     pub(super) fn get(&self, owner: Owner, handle: Handle) -> Option<&Resource> {
         let slot = self.slot(handle)?;
         if slot.owner != owner && slot.owner != Owner::HOST {

@@ -47,7 +47,7 @@ impl OwnerGpu {
         f: impl FnOnce(&GpuService, &Caller) -> Result<T, GpuError>,
     ) -> RResult<T, ErrorRecord> {
         catching(|| {
-            self.service.gpu.check_alive()?;
+            self.service.gpu.check_not_lost()?;
             f(&self.service, &self.caller)
         })
         .map_err(ErrorRecord::from)
@@ -62,6 +62,7 @@ impl OwnerGpu {
         f: impl FnOnce(&GpuService, &Caller) -> Result<T, GpuError>,
     ) -> RResult<T, ErrorRecord> {
         self.guarded(|service, caller| {
+            service.gpu.check_alive()?;
             f(service, caller).map_err(|error| error.at(format_args!("{what} '{label}'")))
         })
     }
@@ -194,8 +195,9 @@ impl GpuObject for OwnerGpu {
     }
 
     fn poll_ticket(&self, ticket: Handle) -> RResult<ROption<RVec<u8>>, ErrorRecord> {
-        // The guard has polled the device, which runs the callbacks of finished copies.
         self.guarded(|service, caller| {
+            // Runs the callbacks of finished copies.
+            service.gpu.check_alive()?;
             let ticket = Arc::clone(service.read().ticket(caller.owner, ticket)?);
             Ok(ticket.take()?.map(RVec::from).into())
         })

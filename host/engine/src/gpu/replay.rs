@@ -61,7 +61,7 @@ impl GpuService {
         timings: Timings,
     ) -> Result<Replay, GpuError> {
         catching(|| {
-            self.gpu.check_alive()?;
+            self.gpu.check_not_lost()?;
             self.run(&self.caller(owner)?, list, timings)
         })
     }
@@ -73,7 +73,7 @@ impl GpuService {
     /// As [`replay`](Self::replay), but for what only the submission would find.
     pub fn check(&self, owner: Owner, list: &CommandListRecord) -> Result<(), GpuError> {
         catching(|| {
-            self.gpu.check_alive()?;
+            self.gpu.check_not_lost()?;
             let caller = self.caller(owner)?;
             let mut outcome = Ok(());
             let scope = self.gpu.scoped(|| {

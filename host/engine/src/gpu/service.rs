@@ -182,7 +182,7 @@ impl GpuService {
     ///
     /// The handle is none of that owner's buffers.
     pub fn buffer(&self, owner: Owner, handle: Handle) -> Result<wgpu::Buffer, GpuError> {
-        self.gpu.check_alive()?;
+        self.gpu.check_not_lost()?;
         Ok(self.read().buffer(owner, handle)?.buffer.clone())
     }
 

@@ -7,7 +7,7 @@
 )]
 
 use abi_stable::std_types::{RErr, RNone, ROk, RResult, RSlice, RSome, RStr};
-use pointstage_engine::device::{DeviceOptions, GpuDevice, GpuError};
+use pointstage_engine::device::{Backend, DeviceOptions, GpuDevice, GpuError};
 use pointstage_engine::gpu::{GpuService, Owner, Replay, Timings};
 use pointstage_plugin_api::abi::commands::{Command, CommandListRecord, ReadBack};
 use pointstage_plugin_api::abi::*;
@@ -27,10 +27,22 @@ pub struct Rig {
     pub gpu: GpuRef,
 }
 
+/// The default adapter, or one of the interface that `POINTSTAGE_TEST_BACKEND` names.
+fn options() -> DeviceOptions {
+    let backend = std::env::var("POINTSTAGE_TEST_BACKEND").ok().map(|name| {
+        name.parse::<Backend>()
+            .unwrap_or_else(|error| panic!("POINTSTAGE_TEST_BACKEND: {error}"))
+    });
+    DeviceOptions {
+        backend,
+        adapter: None,
+    }
+}
+
 /// The device of all tests of one file; None, with a line that says why, if this machine has none.
 fn device() -> Option<Arc<GpuDevice>> {
     static DEVICE: OnceLock<Option<Arc<GpuDevice>>> = OnceLock::new();
-    let device = DEVICE.get_or_init(|| GpuDevice::open(&DeviceOptions::default()).ok());
+    let device = DEVICE.get_or_init(|| GpuDevice::open(&options()).ok());
     if device.is_none() {
         eprintln!("skipped: this machine has no graphics adapter that opens");
     }
@@ -45,7 +57,7 @@ impl Rig {
 
     /// An owner on a device of its own, which the test may destroy.
     pub fn on_its_own_device() -> Option<Self> {
-        let device = GpuDevice::open(&DeviceOptions::default())
+        let device = GpuDevice::open(&options())
             .inspect_err(|error| eprintln!("skipped: {error}"))
             .ok()?;
         Some(Self::on(device, &[], QUOTA))
