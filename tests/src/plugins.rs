@@ -242,8 +242,14 @@ fn copy_workspace(name: &str, edits: &[Edit]) -> Result<PathBuf> {
     let rest = root
         .find("[workspace.package]")
         .context("the root manifest has no [workspace.package]")?;
+    // The profile of the other misbehaving plugins, so that all dependencies are built once.
+    let profile = root.find("[profile.").unwrap_or(root.len());
+    let own_profile = "[profile.dev]\nopt-level = 1\ndebug = false\n";
     let members = "[workspace]\nresolver = \"3\"\nmembers = [\"plugin-api\", \"variant\"]\n\n";
-    files.insert("Cargo.toml".into(), format!("{members}{}", &root[rest..]));
+    files.insert(
+        "Cargo.toml".into(),
+        format!("{members}{}{own_profile}", &root[rest..profile.max(rest)]),
+    );
     files.insert(
         "variant/Cargo.toml".into(),
         format!(
