@@ -231,7 +231,13 @@ impl GpuDevice {
                 "the device has not finished within {:.1} s; draw less, or choose another adapter",
                 timeout.as_secs_f64()
             ))),
-            Err(error) => Err(GpuError::Failed(format!("waiting for the device: {error}"))),
+            Err(error) => {
+                // What a destroyed device was given last was never submitted, so there is nothing to wait for.
+                self.check_alive()?;
+                Err(GpuError::Failed(format!(
+                    "waiting for the device: {error}"
+                )))
+            }
         }
     }
 }
