@@ -83,6 +83,16 @@ pub fn misbehaving() -> Result<PathBuf> {
     })
 }
 
+/// The library of well-behaved plugins: renderers `dots` and `lit-points`, structure `halves`.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn sound() -> Result<PathBuf> {
+    once("sound", || {
+        build(&repository().join("tests/plugins"), "sound", &[])
+    })
+}
+
 /// The library that misbehaves while it is loaded, under a file name that asks for `fault`.
 ///
 /// # Errors
