@@ -234,9 +234,7 @@ impl GpuDevice {
             Err(error) => {
                 // What a destroyed device was given last was never submitted, so there is nothing to wait for.
                 self.check_alive()?;
-                Err(GpuError::Failed(format!(
-                    "waiting for the device: {error}"
-                )))
+                Err(GpuError::Failed(format!("waiting for the device: {error}")))
             }
         }
     }
