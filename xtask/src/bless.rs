@@ -15,8 +15,7 @@ pub(crate) fn bless(arguments: &[String]) -> Outcome {
         &mut process::cargo(&["build", "--workspace", "--lib", "--bins"]),
     )?;
     process::say("drawing the golden images");
-    let mut command =
-        process::cargo(&["test", "--package", "pointstage-tests", "--test", "golden"]);
+    let mut command = process::cargo(&["test", "--workspace", "--test", "golden"]);
     command.env("POINTSTAGE_BLESS", "1");
     setup::prepare_environment(&mut command)?;
     setup::hold_to_software_driver(&mut command);
