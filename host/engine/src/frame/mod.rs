@@ -14,7 +14,6 @@ mod cpu_targets;
 mod depth;
 pub mod fallback;
 pub mod legend;
-pub mod lighting;
 mod palette;
 mod passes;
 pub mod pick;

@@ -16,6 +16,7 @@
 use std::borrow::Cow;
 
 use pointstage_plugin_api::abi::Format;
+use pointstage_plugin_api::manifest::TargetEntry;
 pub use pointstage_plugin_api::targets::{
     COLOUR, DEPTH, ID, KIND, LOD, NO_LEVEL, NORMAL, OVERDRAW, WEIGHT, kind,
 };
@@ -88,6 +89,17 @@ pub enum TargetSpecError {
         key: String,
         /// The declared format.
         format: Format,
+    },
+    /// A target of the plugin's own without a format, or with a name that means none.
+    #[error(
+        "target '{key}': '{written}' is no format for a declared target; write r8unorm, rgba8unorm, r16float, \
+         rg16float, rgba16float, r32float, rgba32float, r8uint, r16uint or r32uint"
+    )]
+    UnknownFormat {
+        /// The declared key.
+        key: String,
+        /// What the manifest says; empty if nothing.
+        written: String,
     },
     /// The clear value does not fit the format.
     #[error(
@@ -205,7 +217,7 @@ impl TargetSpec {
         if host_target_spec(key).is_some() {
             return Err(TargetSpecError::Reserved(key.to_owned()));
         }
-        let Some((_, greatest)) = DECLARABLE.iter().find(|(known, _)| *known == format) else {
+        let Some((.., greatest)) = DECLARABLE.iter().find(|(_, known, _)| *known == format) else {
             return Err(TargetSpecError::UnsupportedFormat {
                 key: key.to_owned(),
                 format,
@@ -239,6 +251,30 @@ impl TargetSpec {
             },
             _ => spec,
         })
+    }
+
+    /// The target that a renderer's manifest names: one of the host's, or one of the plugin's own.
+    ///
+    /// # Errors
+    /// As [`declared`](Self::declared); and a format that is missing or unknown.
+    pub fn from_manifest(entry: &TargetEntry) -> Result<Self, TargetSpecError> {
+        let TargetEntry {
+            key,
+            format,
+            clear,
+            meaning,
+        } = entry;
+        if let (Some(spec), None) = (host_target_spec(key), format) {
+            return Ok(spec.clone());
+        }
+        let written = format.as_deref().unwrap_or_default();
+        let Some((_, format, _)) = DECLARABLE.iter().find(|(name, ..)| *name == written) else {
+            return Err(TargetSpecError::UnknownFormat {
+                key: key.clone(),
+                written: written.to_owned(),
+            });
+        };
+        Self::declared(key, *format, clear.unwrap_or_default(), meaning)
     }
 
     /// What the target's values are on the CPU.
@@ -277,18 +313,18 @@ impl PlaneFormat {
     }
 }
 
-/// Formats of declared targets, each with the greatest clear value that it holds.
-const DECLARABLE: [(Format, f64); 10] = [
-    (Format::R8_UNORM, 1.0),
-    (Format::RGBA8_UNORM, 1.0),
-    (Format::R16_FLOAT, 65504.0),
-    (Format::RG16_FLOAT, 65504.0),
-    (Format::RGBA16_FLOAT, 65504.0),
-    (Format::R32_FLOAT, f32::MAX as f64),
-    (Format::RGBA32_FLOAT, f32::MAX as f64),
-    (Format::R8_UINT, 255.0),
-    (Format::R16_UINT, 65535.0),
-    (Format::R32_UINT, u32::MAX as f64),
+/// Formats of declared targets: name in a manifest, number at the border, greatest clear value.
+const DECLARABLE: [(&str, Format, f64); 10] = [
+    ("r8unorm", Format::R8_UNORM, 1.0),
+    ("rgba8unorm", Format::RGBA8_UNORM, 1.0),
+    ("r16float", Format::R16_FLOAT, 65504.0),
+    ("rg16float", Format::RG16_FLOAT, 65504.0),
+    ("rgba16float", Format::RGBA16_FLOAT, 65504.0),
+    ("r32float", Format::R32_FLOAT, f32::MAX as f64),
+    ("rgba32float", Format::RGBA32_FLOAT, f32::MAX as f64),
+    ("r8uint", Format::R8_UINT, 255.0),
+    ("r16uint", Format::R16_UINT, 65535.0),
+    ("r32uint", Format::R32_UINT, u32::MAX as f64),
 ];
 
 #[cfg(test)]
@@ -331,6 +367,28 @@ mod tests {
             let refused = declare("x", format, clear);
             assert!(matches!(refused, Err(E::BadClear { .. })), "{format:?}");
         }
+    }
+
+    #[test]
+    fn a_manifest_names_host_targets_by_key_and_its_own_with_a_format() {
+        let entry = |key: &str, format: Option<&str>| TargetEntry {
+            key: key.to_owned(),
+            format: format.map(str::to_owned),
+            clear: None,
+            meaning: String::new(),
+        };
+        let depth = TargetSpec::from_manifest(&entry(DEPTH, None)).unwrap();
+        assert_eq!(Some(&depth), host_target_spec(DEPTH));
+        let own = TargetSpec::from_manifest(&entry("curvature", Some("r32float"))).unwrap();
+        assert_eq!((own.format, own.clear), (Format::R32_FLOAT, [0.0; 4]));
+        let error = |key, format| TargetSpec::from_manifest(&entry(key, format)).unwrap_err();
+        use TargetSpecError as E;
+        assert!(matches!(error("curvature", None), E::UnknownFormat { .. }));
+        assert!(matches!(
+            error("curvature", Some("float")),
+            E::UnknownFormat { .. }
+        ));
+        assert!(matches!(error(DEPTH, Some("r32float")), E::Reserved(_)));
     }
 
     #[test]

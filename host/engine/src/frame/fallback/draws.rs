@@ -5,7 +5,7 @@ use glam::{Mat3, Mat4, Vec4};
 use pointstage_plugin_api::abi::{BlockRecord, DrawFlags, DrawRecord};
 use pointstage_plugin_api::columns;
 
-use super::super::lighting::Phong;
+use super::lighting::Phong;
 
 /// One draw, readable on the CPU.
 #[derive(Debug)]

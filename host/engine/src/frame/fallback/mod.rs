@@ -9,12 +9,13 @@
 //!
 //! It takes what a plugin takes, `FrameUniform` and `DrawRecord`s with their columns on the CPU, so that it draws under
 //! any selection. It draws with square atomics rather than with tiles and bins because that is shorter, and fast enough:
-//! see `benches/fallback.rs`.
+//! see `benches/frame.rs`.
 //!
 //! It departs from finer renderers on purpose: no blending, no antialiasing, circular discs where surfels have axes, and
 //! splats end at [`MAX_HALF_EXTENT_PX`].
 
 mod draws;
+mod lighting;
 mod shading;
 mod splat;
 mod visibility;

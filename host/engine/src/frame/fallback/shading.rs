@@ -6,10 +6,10 @@ use pointstage_plugin_api::columns::decode_normal;
 use rayon::prelude::*;
 
 use super::super::cpu_targets::{CpuTargets, PlaneValues};
-use super::super::lighting::{facing, phong, towards_eye};
 use super::super::srgb::linear_from_srgb8;
 use super::super::targets::{COLOUR, DEPTH, ID, KIND, LOD, NO_LEVEL, NORMAL, kind};
 use super::draws::{Draw, Draws};
+use super::lighting::{facing, phong, towards_eye};
 use super::splat::Screen;
 use super::visibility::VisibilityBuffer;
 
