@@ -1,6 +1,7 @@
 //! What a frame is asked for, and what it gives: the whole interface between the stage and whoever shows pictures.
 
 pub use crate::frame::{Background, Picture, Plane, Show};
+pub use crate::gpu::PassTime;
 use pointstage_plugin_api::abi::{Interaction, Purpose};
 pub use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
 use pointstage_scene::{Camera, Lights, Scene};
@@ -108,15 +109,6 @@ impl FrameRequest {
             seed: 0,
         }
     }
-}
-
-/// A time of one pass.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PassTime {
-    /// The pass's label.
-    pub label: String,
-    /// On the device, by timestamps.
-    pub time: Duration,
 }
 
 /// What a frame cost and counted.

@@ -6,6 +6,7 @@ use pointstage_plugin_api::abi::{Handle, standard_bindings as bindings};
 use pointstage_plugin_api::manifest::Needs;
 use pointstage_scene::{Block, NamedColumn, Scene};
 use std::any::Any;
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -89,7 +90,7 @@ impl SceneOnDevice {
                     .filter(|column| extra.columns.iter().any(|name| **name == *column.name))
                 {
                     wanted.insert(column.bytes.as_ptr().addr());
-                    self.upload(&column.bytes, "named column", || as_f32(column))?;
+                    self.upload(&column.bytes, "named column", || as_f32(column).into())?;
                 }
                 // What another renderer asked for stays while the scene has it.
                 wanted.extend(
@@ -103,7 +104,7 @@ impl SceneOnDevice {
                 wanted.insert(triangles.as_ptr().addr());
                 if extra.mesh {
                     self.upload(triangles, "triangles", || {
-                        bytemuck::cast_slice(triangles).to_vec()
+                        bytemuck::cast_slice(triangles).into()
                     })?;
                 }
             }
@@ -118,28 +119,28 @@ impl SceneOnDevice {
     fn upload_block(&self, block: &Block, wanted: &mut HashSet<usize>) -> Result<(), GpuError> {
         wanted.insert(block.position_radius.as_ptr().addr());
         self.upload(&block.position_radius, "position_radius", || {
-            bytemuck::cast_slice(&block.position_radius).to_vec()
+            bytemuck::cast_slice(&block.position_radius).into()
         })?;
         if let Some(column) = &block.normal {
             wanted.insert(column.as_ptr().addr());
-            self.upload(column, "normal", || bytemuck::cast_slice(column).to_vec())?;
+            self.upload(column, "normal", || bytemuck::cast_slice(column).into())?;
         }
         if let Some(column) = &block.colour {
             wanted.insert(column.as_ptr().addr());
-            self.upload(column, "colour", || bytemuck::cast_slice(column).to_vec())?;
+            self.upload(column, "colour", || bytemuck::cast_slice(column).into())?;
         }
         if let Some(column) = &block.axes {
             wanted.insert(column.as_ptr().addr());
-            self.upload(column, "axes", || bytemuck::cast_slice(column).to_vec())?;
+            self.upload(column, "axes", || bytemuck::cast_slice(column).into())?;
         }
         Ok(())
     }
 
-    fn upload<T: Send + Sync + 'static>(
+    fn upload<'a, T: Send + Sync + 'static>(
         &self,
         content: &Arc<[T]>,
         label: &str,
-        bytes: impl FnOnce() -> Vec<u8>,
+        bytes: impl FnOnce() -> Cow<'a, [u8]>,
     ) -> Result<(), GpuError> {
         let address = content.as_ptr().addr();
         if content.is_empty() || self.lock().columns.contains_key(&address) {
@@ -147,7 +148,10 @@ impl SceneOnDevice {
         }
         let buffer = self.device.scoped(|| {
             let mut bytes = bytes();
-            bytes.resize(bytes.len().next_multiple_of(4), 0);
+            if !bytes.len().is_multiple_of(4) {
+                let whole = bytes.len().next_multiple_of(4);
+                bytes.to_mut().resize(whole, 0);
+            }
             let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
                 size: bytes.len() as u64,

@@ -1,0 +1,134 @@
+//! One frame by a renderer that is ready: selection, uniforms, the call, replay, composition, read-back.
+
+mod call;
+mod cpu;
+mod device;
+mod plan;
+mod targets;
+
+use super::options::FrameError;
+use super::request::{FrameRequest, FrameResult, FrameStats};
+use super::session::{Drawer, FALLBACK_ID, Stage};
+use super::uniforms::{FrameNumbers, frame_uniform};
+use crate::frame::{Picture, Plane};
+use crate::plugins::PluginInfo;
+use glam::DMat4;
+use pointstage_plugin_api::Error as PluginError;
+use pointstage_plugin_api::abi::{OutcomeRecord, StatisticRecord};
+use pointstage_plugin_api::manifest::DeviceKind;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+impl Stage {
+    /// Draws with the one chosen.
+    pub(super) fn draw(
+        &mut self,
+        request: &FrameRequest,
+        drawer: &Drawer,
+    ) -> Result<FrameResult, FrameError> {
+        // While another scene is being prepared for, the prepared one goes on being drawn.
+        let request = &match drawer {
+            Drawer::Plugin(_, ready) if ready.key.scene != request.scene.revision() => {
+                FrameRequest {
+                    scene: Arc::clone(ready.scene()),
+                    ..request.clone()
+                }
+            }
+            _ => request.clone(),
+        };
+        let structure = self.structure(request)?;
+        let (info, entry_id) = match drawer {
+            Drawer::Plugin(info, _) => (Some(info), info.id.as_str()),
+            Drawer::Fallback => (None, FALLBACK_ID),
+        };
+        let specs = self.target_specs(request, info)?;
+        let numbers = self.numbers(request, entry_id);
+        let uniform = frame_uniform(request, numbers);
+        let planned = self.plan(request, uniform, &structure)?;
+        let mut result = match drawer {
+            Drawer::Plugin(info, ready) if info.entry.needs.device == DeviceKind::Gpu => {
+                self.draw_on_device(&planned, &specs, info, ready)?
+            }
+            Drawer::Plugin(info, ready) => {
+                self.draw_on_cpu(&planned, &specs, Some((info, ready)))?
+            }
+            Drawer::Fallback => self.draw_on_cpu(&planned, &specs, None)?,
+        };
+        result.stats.surfels_in_scene = request.scene.surfel_count() as u64;
+        result.stats.surfels_selected = planned
+            .draws
+            .iter()
+            .map(|draw| u64::from(draw.uniform.count))
+            .sum();
+        result.stats.scene_bytes = self.gpu.as_ref().map_or(0, |gpu| gpu.scene.bytes());
+        add_statistics(&mut result.stats.reported, &planned.selection_statistics);
+        result.ids = Arc::new(planned.ids);
+        Ok(result)
+    }
+
+    fn numbers(&mut self, request: &FrameRequest, id: &str) -> FrameNumbers {
+        let slot = self.viewport(request).views.get(id);
+        slot.map_or_else(FrameNumbers::default, |slot| FrameNumbers {
+            frame_index: slot.frame_index,
+            sample_index: slot.sample_index,
+        })
+    }
+}
+
+/// What either way of drawing gives.
+struct Drawn {
+    picture: Picture,
+    range: Option<[f32; 2]>,
+    planes: BTreeMap<String, Plane>,
+    stats: FrameStats,
+}
+
+fn result_of(info: Option<&Arc<PluginInfo>>, drawn: Drawn, outcome: &OutcomeRecord) -> FrameResult {
+    let Drawn {
+        picture,
+        range,
+        planes,
+        mut stats,
+    } = drawn;
+    add_statistics(&mut stats.reported, &outcome.statistics);
+    let progress = outcome.progress;
+    FrameResult {
+        picture,
+        planes,
+        available_targets: targets::given_targets(info)
+            .into_iter()
+            .map(|spec| spec.key.into_owned())
+            .collect(),
+        drawn_by: info.map_or(FALLBACK_ID, |info| &info.id).to_owned(),
+        shown_range: range,
+        stats,
+        progress: if progress.is_finite() {
+            progress.clamp(0.0, 1.0)
+        } else {
+            1.0
+        },
+        preparing: None,
+        notices: Vec::new(),
+        ids: Arc::default(),
+    }
+}
+
+fn add_statistics(reported: &mut BTreeMap<String, f64>, statistics: &[StatisticRecord]) {
+    reported.extend(
+        statistics
+            .iter()
+            .map(|statistic| (statistic.key.to_string(), statistic.value)),
+    );
+}
+
+fn world_from_view(request: &FrameRequest) -> [f64; 16] {
+    let matrix: DMat4 = request.camera.view_from_world().inverse();
+    matrix.to_cols_array()
+}
+
+fn plugin_error(info: &Arc<PluginInfo>, source: PluginError) -> FrameError {
+    FrameError::Plugin {
+        plugin: info.id.clone(),
+        source,
+    }
+}
