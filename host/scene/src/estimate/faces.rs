@@ -42,7 +42,7 @@ struct Totals {
     area_vector: DVec3,
 }
 
-/// Centres by index over all blocks, scaled so that f32 squares of small faces do not vanish.
+/// Centres by index over all blocks, and what edges are multiplied by so that f32 squares of small ones do not vanish.
 struct Centres<'a> {
     blocks: Vec<&'a [[f32; 4]]>,
     middle: Vec3,
@@ -50,12 +50,18 @@ struct Centres<'a> {
 }
 
 impl Centres<'_> {
-    /// Relative to the box's centre, scaled to a box of about 1.
+    /// As the column has it.
     #[inline]
     fn get(&self, vertex: u32) -> Vec3 {
-        let [x, y, z, _] =
-            self.blocks[vertex as usize / MAX_BLOCK_SURFELS][vertex as usize % MAX_BLOCK_SURFELS];
-        (Vec3::new(x, y, z) - self.middle) * self.scale
+        // Nearly every mesh is one block.
+        let [x, y, z, _] = match self.blocks[..] {
+            [only] => only[vertex as usize],
+            _ => {
+                self.blocks[vertex as usize / MAX_BLOCK_SURFELS]
+                    [vertex as usize % MAX_BLOCK_SURFELS]
+            }
+        };
+        Vec3::new(x, y, z)
     }
 }
 
@@ -139,7 +145,9 @@ fn add_triangles(
             continue;
         }
         let (pa, pb, pc) = (centres.get(a), centres.get(b), centres.get(c));
-        let (ab, ac, bc) = (pb - pa, pc - pa, pc - pb);
+        let ab = (pb - pa) * centres.scale;
+        let ac = (pc - pa) * centres.scale;
+        let bc = (pc - pb) * centres.scale;
         let cross = ab.cross(ac);
         let cross_squared = cross.length_squared();
         let cross_length = cross_squared.sqrt();
@@ -152,11 +160,12 @@ fn add_triangles(
             cross_squared,
         );
         // A triangle without area has no normal; its longest edge still counts for the radius.
-        let normal = if cross_length > 0.0 {
-            cross / cross_length
-        } else {
-            Vec3::ZERO
-        };
+        let normal = cross
+            * if cross_length > 0.0 {
+                cross_length.recip()
+            } else {
+                0.0
+            };
         for corner in inside {
             if let Some(sum) = sums.get_mut(corner as usize) {
                 *sum = [
@@ -169,7 +178,7 @@ fn add_triangles(
         }
         // Each triangle belongs to the range of its first corner.
         if inside[0] < length {
-            totals.volume += f64::from(pa.dot(cross));
+            totals.volume += f64::from(((pa - centres.middle) * centres.scale).dot(cross));
             totals.area += f64::from(cross_length);
             totals.area_vector += cross.as_dvec3();
         }
@@ -210,9 +219,10 @@ fn replace_normals(polygons: &Polygons, centres: &Centres<'_>, start: u32, sums:
             continue;
         };
         let origin = centres.get(*first);
+        let from_origin = |corner: u32| (centres.get(corner) - origin) * centres.scale;
         let around = rest
             .windows(2)
-            .map(|pair| (centres.get(pair[0]) - origin).cross(centres.get(pair[1]) - origin));
+            .map(|pair| from_origin(pair[0]).cross(from_origin(pair[1])));
         let normal = around.sum::<Vec3>().normalize_or_zero();
         for corner in corners {
             if let Some(sum) = sums.get_mut(corner.wrapping_sub(start) as usize) {
