@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -12,7 +13,7 @@ use super::binary::columns_of;
 use super::body::{Body, CornerLists, Corners, Stop, Triangles, corner_from};
 use super::error::{Place, PlyError, excerpt};
 use super::header::{Element, PlyHeader, PropertyKind};
-use super::number::{parse_f64, parse_i64};
+use super::number::{parse_f64, parse_i64, scan_f64, scan_i64};
 use super::plan::{ElementUse, FaceKind, FaceLists};
 use super::table::{ByteOrder, Table, write_native};
 use super::text::{Piece, Text, Words, has_words, lines_of};
@@ -120,17 +121,12 @@ impl RowReader<'_, '_> {
         let (columns, stride) = columns_of(&widened);
         let rows = self.rows as usize;
         let mut bytes = vec![0; rows * stride];
-        let mut rest = bytes.as_mut_slice();
-        let mut parts = Vec::new();
-        for part in self.parts() {
-            let (mine, others) = rest.split_at_mut(part.rows * stride);
-            rest = others;
-            parts.push((part, mine));
-        }
-        first_error(parts.into_par_iter().map(|(part, out)| {
+        let parts = self.parts();
+        let shares = share_out(&parts, &mut bytes, stride);
+        first_error(shares.into_par_iter().map(|(part, out)| {
             job.check()?;
             let mut rows = out.chunks_exact_mut(stride.max(1));
-            self.each_line(&part, |line, row, place| {
+            self.each_line(part, |line, row, place| {
                 let mut words = Words { rest: line };
                 let out = rows.next().unwrap_or_default();
                 let mut offset = 0;
@@ -142,9 +138,7 @@ impl RowReader<'_, '_> {
                             offset += scalar.size();
                         }
                         PropertyKind::List { .. } => {
-                            for _ in 0..self.list_length(&mut words, index, row, place)? {
-                                self.word(&mut words, index, row, place)?;
-                            }
+                            self.skip_property(&mut words, index, row, place)?;
                         }
                     }
                 }
@@ -163,64 +157,166 @@ impl RowReader<'_, '_> {
     /// The corners of all rows.
     fn faces(&self, lists: FaceLists, job: &Job) -> Result<Corners, Stop> {
         let parts = self.parts();
-        let read: Vec<Result<CornerRows, Stop>> = parts
-            .par_iter()
-            .map(|part| {
-                job.check()?;
-                self.corner_rows(part, lists)
-            })
-            .collect();
-        let read = read.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let only_triangles =
-            lists.kind == FaceKind::Polygons && read.iter().all(|rows| rows.lengths.is_none());
-        Ok(if only_triangles {
-            Corners::Triangles(join_triangles(&read))
-        } else {
-            Corners::Lists(join_lists(read, lists.kind))
-        })
-    }
-
-    fn corner_rows(&self, part: &Part<'_>, lists: FaceLists) -> Result<CornerRows, Stop> {
-        let mut found = CornerRows {
-            corners: Vec::with_capacity(part.rows * 3),
-            lengths: None,
-            rows: 0,
+        if lists.kind == FaceKind::Polygons
+            && lists.holes.is_none()
+            && let Some(triangles) = self.all_triangles(&parts, lists, job)?
+        {
+            return Ok(Corners::Triangles(triangles));
+        }
+        let empty = || CornerLists {
+            kind: lists.kind,
+            lengths: Vec::new(),
+            corners: Vec::new(),
             with_holes: 0,
         };
-        self.each_line(part, |line, row, place| {
-            let mut words = Words { rest: line };
-            for index in 0..self.element.properties.len() {
-                let PropertyKind::List { .. } = self.element.properties[index].kind else {
-                    self.word(&mut words, index, row, place)?;
-                    continue;
-                };
-                let length = self.list_length(&mut words, index, row, place)?;
-                if index == lists.corners {
-                    for _ in 0..length {
-                        let word = self.word(&mut words, index, row, place)?;
-                        let number = parse_i64(word)
-                            .ok_or_else(|| self.not_a_number(word, index, row, place))?;
-                        found.corners.push(corner_from(number));
+        let read = parts.par_iter().map(|part| {
+            job.check()?;
+            let mut found = empty();
+            self.each_line(part, |line, row, place| {
+                self.read_corners(line, lists, row, place, &mut found)
+            })?;
+            Ok(found)
+        });
+        let read: Vec<Result<CornerLists, Stop>> = read.collect();
+        read.into_iter()
+            .try_fold(empty(), |mut joined, part| {
+                let part = part?;
+                joined.lengths.extend(part.lengths);
+                joined.corners.extend(part.corners);
+                joined.with_holes += part.with_holes;
+                Ok(joined)
+            })
+            .map(Corners::Lists)
+    }
+
+    /// The rows as triangles, written in place; `None` if a row has another number of corners.
+    fn all_triangles(
+        &self,
+        parts: &[Part<'_>],
+        lists: FaceLists,
+        job: &Job,
+    ) -> Result<Option<Triangles>, Stop> {
+        let mut corners: Arc<[[u32; 3]]> = zeroed_slice(self.rows as usize);
+        let slots = Arc::get_mut(&mut corners).expect("just made, nobody else has it");
+        let other_length = AtomicBool::new(false);
+        let read = share_out(parts, slots, 1)
+            .into_par_iter()
+            .map(|(part, slots)| {
+                job.check()?;
+                let (mut max_corner, mut degenerate_count) = (0, 0);
+                let mut slots = slots.iter_mut();
+                let read = self.each_line(part, |line, row, place| {
+                    if other_length.load(Ordering::Relaxed) {
+                        return Err(NotTriangles::OtherLength);
                     }
-                    found.end_row(length);
-                } else {
-                    for _ in 0..length {
-                        self.word(&mut words, index, row, place)?;
+                    let [a, b, c] = self.read_triangle(line, lists, row, place)?;
+                    max_corner = max_corner.max(a).max(b).max(c);
+                    degenerate_count += u64::from(a == b || b == c || a == c);
+                    if let Some(slot) = slots.next() {
+                        *slot = [a, b, c];
                     }
-                    found.with_holes += u64::from(Some(index) == lists.holes && length > 0);
+                    Ok(())
+                });
+                match read {
+                    Ok(()) => {}
+                    Err(NotTriangles::OtherLength) => other_length.store(true, Ordering::Relaxed),
+                    Err(NotTriangles::Ply(error)) => return Err(Stop::from(error)),
                 }
+                Ok((max_corner, degenerate_count))
+            });
+        let read: Vec<Result<(u32, u64), Stop>> = read.collect();
+        if other_length.load(Ordering::Relaxed) {
+            // Reading as lists tells the errors too.
+            return Ok(None);
+        }
+        let (mut max_corner, mut degenerate_count) = (0, 0);
+        for part in read {
+            let (part_max, part_count) = part?;
+            max_corner = max_corner.max(part_max);
+            degenerate_count += part_count;
+        }
+        Ok(Some(Triangles {
+            corners,
+            max_corner,
+            degenerate_count,
+        }))
+    }
+
+    #[inline]
+    fn read_triangle(
+        &self,
+        line: &[u8],
+        lists: FaceLists,
+        row: u64,
+        place: Place,
+    ) -> Result<[u32; 3], NotTriangles> {
+        let mut words = Words { rest: line };
+        let mut triangle = [0; 3];
+        for index in 0..self.element.properties.len() {
+            if index != lists.corners {
+                self.skip_property(&mut words, index, row, place)?;
+                continue;
             }
-            Ok(())
-        })?;
-        Ok(found)
+            if self.list_length(&mut words, index, row, place)? != 3 {
+                return Err(NotTriangles::OtherLength);
+            }
+            for corner in &mut triangle {
+                *corner = corner_from(self.integer(&mut words, index, row, place)?);
+            }
+        }
+        Ok(triangle)
+    }
+
+    fn read_corners(
+        &self,
+        line: &[u8],
+        lists: FaceLists,
+        row: u64,
+        place: Place,
+        found: &mut CornerLists,
+    ) -> Result<(), PlyError> {
+        let mut words = Words { rest: line };
+        for index in 0..self.element.properties.len() {
+            if index != lists.corners {
+                let length = self.skip_property(&mut words, index, row, place)?;
+                found.with_holes += u64::from(Some(index) == lists.holes && length > 0);
+                continue;
+            }
+            let length = self.list_length(&mut words, index, row, place)?;
+            for _ in 0..length {
+                found
+                    .corners
+                    .push(corner_from(self.integer(&mut words, index, row, place)?));
+            }
+            found.lengths.push(length);
+        }
+        Ok(())
+    }
+
+    /// Passes over a property; the words that it had, without a list's length.
+    fn skip_property(
+        &self,
+        words: &mut Words<'_>,
+        index: usize,
+        row: u64,
+        place: Place,
+    ) -> Result<u32, PlyError> {
+        let length = match self.element.properties[index].kind {
+            PropertyKind::Scalar(_) => 1,
+            PropertyKind::List { .. } => self.list_length(words, index, row, place)?,
+        };
+        for _ in 0..length {
+            self.word(words, index, row, place)?;
+        }
+        Ok(length)
     }
 
     /// Calls `read` with each line of a part, its row and its place, until one fails.
-    fn each_line(
+    fn each_line<E>(
         &self,
         part: &Part<'_>,
-        mut read: impl FnMut(&[u8], u64, Place) -> Result<(), PlyError>,
-    ) -> Result<(), Stop> {
+        mut read: impl FnMut(&[u8], u64, Place) -> Result<(), E>,
+    ) -> Result<(), E> {
         let Part {
             piece,
             skip,
@@ -263,8 +359,26 @@ impl RowReader<'_, '_> {
         row: u64,
         place: Place,
     ) -> Result<f64, PlyError> {
+        if let Some(value) = words.next_number(scan_f64) {
+            return Ok(value);
+        }
         let word = self.word(words, index, row, place)?;
         parse_f64(word).ok_or_else(|| self.not_a_number(word, index, row, place))
+    }
+
+    #[inline]
+    fn integer(
+        &self,
+        words: &mut Words<'_>,
+        index: usize,
+        row: u64,
+        place: Place,
+    ) -> Result<i64, PlyError> {
+        if let Some(value) = words.next_number(scan_i64) {
+            return Ok(value);
+        }
+        let word = self.word(words, index, row, place)?;
+        parse_i64(word).ok_or_else(|| self.not_a_number(word, index, row, place))
     }
 
     #[inline]
@@ -275,8 +389,7 @@ impl RowReader<'_, '_> {
         row: u64,
         place: Place,
     ) -> Result<u32, PlyError> {
-        let word = self.word(words, index, row, place)?;
-        let found = parse_i64(word).ok_or_else(|| self.not_a_number(word, index, row, place))?;
+        let found = self.integer(words, index, row, place)?;
         // Each item takes a word, and a word a byte and a blank.
         let most = words.rest.len() as i64 / 2 + 1;
         u32::try_from(found)
@@ -323,63 +436,30 @@ fn first_error(results: impl IndexedParallelIterator<Item = Result<(), Stop>>) -
     all.into_iter().collect()
 }
 
-/// Corners of some rows.
-struct CornerRows {
-    corners: Vec<u32>,
-    /// Length of each row; `None` while all have three.
-    lengths: Option<Vec<u32>>,
-    rows: usize,
-    with_holes: u64,
-}
-
-impl CornerRows {
-    #[inline]
-    fn end_row(&mut self, length: u32) {
-        if length != 3 && self.lengths.is_none() {
-            self.lengths = Some(vec![3; self.rows]);
-        }
-        if let Some(lengths) = &mut self.lengths {
-            lengths.push(length);
-        }
-        self.rows += 1;
-    }
-}
-
-fn join_triangles(parts: &[CornerRows]) -> Triangles {
-    let rows = parts.iter().map(|part| part.rows).sum();
-    let mut corners: Arc<[[u32; 3]]> = zeroed_slice(rows);
-    let mut rest = Arc::get_mut(&mut corners).expect("just made, nobody else has it");
-    let (mut max_corner, mut degenerate_count) = (0, 0);
+/// Slots for the rows of each part, `width` a row.
+fn share_out<'p, 't, 's, T>(
+    parts: &'p [Part<'t>],
+    slots: &'s mut [T],
+    width: usize,
+) -> Vec<(&'p Part<'t>, &'s mut [T])> {
+    let mut rest = slots;
+    let mut shares = Vec::with_capacity(parts.len());
     for part in parts {
-        let (triangles, _) = part.corners.as_chunks::<3>();
-        let (mine, others) = rest.split_at_mut(triangles.len());
-        mine.copy_from_slice(triangles);
+        let (mine, others) = rest.split_at_mut(part.rows * width);
         rest = others;
-        for [a, b, c] in triangles {
-            max_corner = max_corner.max(*a).max(*b).max(*c);
-            degenerate_count += u64::from(a == b || b == c || a == c);
-        }
+        shares.push((part, mine));
     }
-    Triangles {
-        corners,
-        max_corner,
-        degenerate_count,
-    }
+    shares
 }
 
-fn join_lists(parts: Vec<CornerRows>, kind: FaceKind) -> CornerLists {
-    let mut joined = CornerLists {
-        kind,
-        lengths: Vec::new(),
-        corners: Vec::new(),
-        with_holes: 0,
-    };
-    for part in parts {
-        joined
-            .lengths
-            .extend(part.lengths.unwrap_or_else(|| vec![3; part.rows]));
-        joined.corners.extend(part.corners);
-        joined.with_holes += part.with_holes;
+/// Why rows are not all triangles.
+enum NotTriangles {
+    OtherLength,
+    Ply(PlyError),
+}
+
+impl From<PlyError> for NotTriangles {
+    fn from(error: PlyError) -> Self {
+        Self::Ply(error)
     }
-    joined
 }

@@ -10,65 +10,90 @@ const EXACT_POWERS: [f64; 23] = [
 const EXACT_INTEGER: u64 = 1 << 53;
 
 /// Reads a decimal number, correctly rounded; also `nan`, `inf`, and what Microsoft's C library prints for them.
+pub(super) fn parse_f64(word: &[u8]) -> Option<f64> {
+    match scan_f64(word) {
+        Some((value, length)) if length == word.len() => Some(value),
+        _ => parse_slowly(word),
+    }
+}
+
+/// The number at the start of `text` and the bytes it takes, for what nearly every number in a file looks like; `None` for
+/// the rest, of which some are numbers too.
 ///
 /// With a mantissa below 2⁵³ and a power of ten up to 22 one multiplication or division of exact values rounds correctly
-/// (Clinger, *How to Read Floating Point Numbers Accurately*, PLDI 1990); the rest goes to the standard library.
-pub(super) fn parse_f64(word: &[u8]) -> Option<f64> {
-    let (negative, digits) = match word {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, word),
-    };
+/// (Clinger, *How to Read Floating Point Numbers Accurately*, PLDI 1990).
+#[inline]
+pub(super) fn scan_f64(text: &[u8]) -> Option<(f64, usize)> {
+    let mut position = usize::from(matches!(text.first(), Some(b'-' | b'+')));
     let mut mantissa = 0_u64;
-    let mut digit_count = 0_usize;
-    let mut decimals = 0_i32;
-    let mut position = 0;
-    let mut take_digits = |position: &mut usize| {
-        let start = *position;
-        while let Some(digit) = digits
-            .get(*position)
-            .map(|byte| byte.wrapping_sub(b'0'))
-            .filter(|digit| *digit < 10)
-        {
-            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-            *position += 1;
-        }
-        digit_count += *position - start;
-        *position - start
-    };
-    take_digits(&mut position);
-    if digits.get(position) == Some(&b'.') {
+    let whole_digits = scan_digits(text, &mut position, &mut mantissa);
+    let mut decimals = 0;
+    if text.get(position) == Some(&b'.') {
         position += 1;
-        decimals = i32::try_from(take_digits(&mut position)).ok()?;
+        decimals = scan_digits(text, &mut position, &mut mantissa);
     }
     // 19 digits fit into 64 bits.
-    if digit_count == 0 || digit_count > 19 || mantissa > EXACT_INTEGER {
-        return parse_slowly(word);
+    if !(1..=19).contains(&(whole_digits + decimals)) || mantissa > EXACT_INTEGER {
+        return None;
     }
-    let mut exponent = 0_i32;
-    if let [b'e' | b'E', rest @ ..] = &digits[position..] {
-        let (sign, rest) = match rest {
-            [b'-', rest @ ..] => (-1, rest),
-            [b'+', rest @ ..] => (1, rest),
-            _ => (1, rest),
-        };
-        if rest.is_empty() || rest.len() > 4 || !rest.iter().all(u8::is_ascii_digit) {
-            return parse_slowly(word);
+    let mut power = -(decimals as i32);
+    if let Some(b'e' | b'E') = text.get(position) {
+        position += 1;
+        let negative = text.get(position) == Some(&b'-');
+        position += usize::from(matches!(text.get(position), Some(b'-' | b'+')));
+        let mut exponent = 0;
+        if !(1..=4).contains(&scan_digits(text, &mut position, &mut exponent)) {
+            return None;
         }
-        exponent = sign
-            * rest
-                .iter()
-                .fold(0, |value, digit| value * 10 + i32::from(digit - b'0'));
-    } else if position != digits.len() {
-        return parse_slowly(word);
+        power += if negative {
+            -(exponent as i32)
+        } else {
+            exponent as i32
+        };
     }
-    let power = exponent - decimals;
-    let magnitude = match EXACT_POWERS.get(power.unsigned_abs() as usize) {
-        Some(scale) if power < 0 => mantissa as f64 / scale,
-        Some(scale) => mantissa as f64 * scale,
-        None => return parse_slowly(word),
+    let scale = *EXACT_POWERS.get(power.unsigned_abs() as usize)?;
+    let magnitude = if power < 0 {
+        mantissa as f64 / scale
+    } else {
+        mantissa as f64 * scale
     };
-    Some(if negative { -magnitude } else { magnitude })
+    Some((
+        if text.first() == Some(&b'-') {
+            -magnitude
+        } else {
+            magnitude
+        },
+        position,
+    ))
+}
+
+/// The integer at the start of `text` and the bytes it takes; `None` unless it has 1 to 18 digits.
+#[inline]
+pub(super) fn scan_i64(text: &[u8]) -> Option<(i64, usize)> {
+    let negative = text.first() == Some(&b'-');
+    let mut position = usize::from(negative);
+    let mut magnitude = 0;
+    // 18 digits fit into 63 bits.
+    if !(1..=18).contains(&scan_digits(text, &mut position, &mut magnitude)) {
+        return None;
+    }
+    let magnitude = magnitude as i64;
+    Some((if negative { -magnitude } else { magnitude }, position))
+}
+
+/// Appends the digits at `position` to `value`, wrapping around, and passes over them; how many there were.
+#[inline]
+fn scan_digits(text: &[u8], position: &mut usize, value: &mut u64) -> usize {
+    let start = *position;
+    while let Some(digit) = text
+        .get(*position)
+        .map(|byte| byte.wrapping_sub(b'0'))
+        .filter(|digit| *digit < 10)
+    {
+        *value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
+        *position += 1;
+    }
+    *position - start
 }
 
 #[cold]
@@ -92,20 +117,12 @@ fn parse_slowly(word: &[u8]) -> Option<f64> {
 
 /// Reads an integer; a number with a fraction is cut, one out of range saturates.
 pub(super) fn parse_i64(word: &[u8]) -> Option<i64> {
-    let (negative, digits) = match word {
-        [b'-', rest @ ..] => (true, rest),
-        _ => (false, word),
-    };
-    // 18 digits fit into 63 bits.
-    if digits.is_empty() || digits.len() > 18 || !digits.iter().all(u8::is_ascii_digit) {
-        return parse_f64(word)
+    match scan_i64(word) {
+        Some((value, length)) if length == word.len() => Some(value),
+        _ => parse_f64(word)
             .filter(|value| !value.is_nan())
-            .map(|value| value as i64);
+            .map(|value| value as i64),
     }
-    let magnitude = digits
-        .iter()
-        .fold(0_i64, |value, digit| value * 10 + i64::from(digit - b'0'));
-    Some(if negative { -magnitude } else { magnitude })
 }
 
 #[cfg(test)]

@@ -122,16 +122,40 @@ pub(super) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
+    /// The next word.
     #[inline]
     pub(super) fn next(&mut self) -> Option<&'a [u8]> {
-        let start = self.rest.iter().position(|byte| *byte > b' ')?;
-        let rest = &self.rest[start..];
-        let length = rest
+        self.skip_blanks();
+        let length = self
+            .rest
             .iter()
             .position(|byte| *byte <= b' ')
-            .unwrap_or(rest.len());
-        let (word, rest) = rest.split_at(length);
+            .unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(length);
         self.rest = rest;
-        Some(word)
+        (!word.is_empty()).then_some(word)
+    }
+
+    /// The next word as a number, if `scan` reads all of it; otherwise the word stays.
+    #[inline]
+    pub(super) fn next_number<T>(
+        &mut self,
+        scan: impl Fn(&[u8]) -> Option<(T, usize)>,
+    ) -> Option<T> {
+        self.skip_blanks();
+        let (value, length) = scan(self.rest)?;
+        let rest = &self.rest[length..];
+        if rest.first().is_some_and(|byte| *byte > b' ') {
+            return None;
+        }
+        self.rest = rest;
+        Some(value)
+    }
+
+    #[inline]
+    fn skip_blanks(&mut self) {
+        while let [b'\0'..=b' ', rest @ ..] = self.rest {
+            self.rest = rest;
+        }
     }
 }
