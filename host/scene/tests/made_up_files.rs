@@ -4,8 +4,7 @@ mod support;
 
 use glam::{DVec3, Vec3};
 use pointstage_scene::{
-    Estimation, FaceRadius, Job, LoadError, LoadOptions, Loaded, Provenance, WarningKind, Winding,
-    load,
+    Estimation, FaceRadius, LoadOptions, Loaded, Provenance, WarningKind, Winding,
 };
 use support::load_bytes;
 
@@ -91,21 +90,6 @@ fn lists_with_impossible_lengths_are_refused() {
         let error = text(&elements, &format!("0 0 0\n{length} 0 0 0\n")).expect_err("refused");
         assert!(error.contains(part) && error.contains("line 11"), "{error}");
     }
-}
-
-#[test]
-fn words_that_are_no_numbers_are_placed() {
-    let error =
-        text(&format!("element vertex 2\n{XYZ}"), "1 2 3\n\n4 five 6\n").expect_err("refused");
-    assert!(
-        error.contains("line 10")
-            && error.contains("row 2")
-            && error.contains("'y'")
-            && error.contains("five"),
-        "{error}"
-    );
-    let error = text(&format!("element vertex 1\n{XYZ}"), "1 2\n").expect_err("refused");
-    assert!(error.contains("ends before 'z'"), "{error}");
 }
 
 #[test]
@@ -356,21 +340,4 @@ fn a_list_among_the_scalars_of_vertices_is_passed_over() {
         );
         assert_eq!(loaded.warnings.count(&WarningKind::NoZ), 1);
     }
-}
-
-#[test]
-fn a_cancelled_job_stops_the_load() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("cancelled.ply");
-    std::fs::write(
-        &path,
-        format!("ply\nformat ascii 1.0\nelement vertex 1\n{XYZ}\nend_header\n1 2 3\n"),
-    )
-    .expect("written");
-    let job = Job::new();
-    job.cancel();
-    assert!(matches!(
-        load(&path, &LoadOptions::default(), &job),
-        Err(LoadError::Cancelled(_))
-    ));
 }

@@ -84,8 +84,8 @@ pub(super) fn complete(
             .map(|block| &*block.position_radius)
             .collect(),
         middle: geometry.bounds.centre().as_vec3(),
-        // A power of two: scaling rounds nothing.
-        scale: (-size.log2().floor()).exp2() as f32,
+        // A power of two: scaling rounds nothing. f32 goes up to 2¹²⁷.
+        scale: (-size.log2().floor()).min(126.0).exp2() as f32,
     };
     let mut sums: Vec<Sum> = vec![[0.0; 4]; geometry.surfel_count];
     let range_length = geometry
@@ -388,7 +388,7 @@ mod tests {
 
     #[test]
     fn tiny_and_huge_meshes_have_the_same_shape() {
-        for size in [1e-15_f32, 1e-6, 1e6, 1e15] {
+        for size in [1e-40_f32, 1e-15, 1e-6, 1e6, 1e15] {
             let corners = TETRAHEDRON.map(|corner| corner.map(|value| value * size));
             let (geometry, orientation) =
                 completed(&mesh(&corners, &OUTWARD), FaceRadius::default());

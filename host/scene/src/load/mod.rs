@@ -5,12 +5,13 @@
 
 pub(crate) mod fill;
 mod ply;
+pub(crate) mod source;
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 pub use ply::{Place, PlyError};
 use ply::{PlyContents, Stop};
+use source::Source;
 
 use crate::job::{Cancelled, Job};
 use crate::scene::Object;
@@ -114,7 +115,10 @@ pub fn load(path: &Path, options: &LoadOptions, job: &Job) -> Result<Loaded, Loa
     let span = tracing::info_span!("load", path = %path.display());
     let _entered = span.enter();
     job.check()?;
-    let file = map_file(path)?;
+    let file = Source::open(path).map_err(|source| LoadError::Io {
+        path: path.to_path_buf(),
+        source,
+    })?;
     if !file.starts_with(b"ply") {
         let start = &file[..file.len().min(16)];
         let found = if start.is_empty() {
@@ -151,47 +155,4 @@ pub fn load(path: &Path, options: &LoadOptions, job: &Job) -> Result<Loaded, Loa
         "loaded"
     );
     Ok(Loaded { object, warnings })
-}
-
-/// The bytes of a regular file; empty for an empty one.
-fn map_file(path: &Path) -> Result<Contents, LoadError> {
-    let io_error = |source| LoadError::Io {
-        path: path.to_path_buf(),
-        source,
-    };
-    let file = File::open(path).map_err(io_error)?;
-    let metadata = file.metadata().map_err(io_error)?;
-    if !metadata.is_file() {
-        // A pipe has no size to check counts against, and may never end.
-        let kind = if metadata.is_dir() {
-            "it is a folder"
-        } else {
-            "it is not a regular file"
-        };
-        return Err(io_error(std::io::Error::other(kind)));
-    }
-    if metadata.len() == 0 {
-        return Ok(Contents(None));
-    }
-    #[allow(
-        unsafe_code,
-        reason = "a memory map has no safe form; it saves a copy of the file"
-    )]
-    // SAFETY: the map is private to this load, never handed out, and read as plain bytes, of which any value is valid. The
-    // readers take each size from the slice's length, which the map fixed. Should another program change the file
-    // meanwhile, its bytes may change under us, which the readers survive because they check what they index with where
-    // they use it; should it shorten the file, the system ends us with SIGBUS, as with every program that maps files.
-    let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io_error)?;
-    Ok(Contents(Some(map)))
-}
-
-/// A mapped file; `None` stands for an empty one, which cannot be mapped.
-struct Contents(Option<memmap2::Mmap>);
-
-impl std::ops::Deref for Contents {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        self.0.as_deref().unwrap_or_default()
-    }
 }

@@ -1,7 +1,9 @@
 //! Text bodies, one line a row.
 //!
-//! The text is cut at line ends into pieces, whose lines are counted in parallel; then it is known which element each
-//! line belongs to, and the pieces are read in parallel. Blank lines do not count.
+//! The text is cut at line ends into pieces, whose lines are counted in parallel (`text`); then it is known which element
+//! each line belongs to, and the pieces are read in parallel, each row (`row`) word by word (`words`). Blank lines do not
+//! count. What threads make goes straight to its place, and a piece that was read is given back to the system, so that
+//! memory holds the result and little more.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -11,25 +13,26 @@ use rayon::prelude::*;
 
 use super::binary::columns_of;
 use super::body::{Body, CornerLists, Corners, Stop, Triangles, corner_from};
-use super::error::{Place, PlyError, excerpt};
+use super::error::PlyError;
 use super::header::{Element, PlyHeader, PropertyKind};
-use super::number::{parse_f64, parse_i64, scan_f64, scan_i64};
 use super::plan::{ElementUse, FaceKind, FaceLists};
+use super::row::{Fault, Row};
 use super::table::{ByteOrder, Table, write_native};
-use super::text::{Piece, Text, Words, has_words, lines_of};
+use super::text::{Piece, Text};
 use crate::geometry::ScalarType;
 use crate::job::Job;
 use crate::load::fill::zeroed_slice;
+use crate::load::source::Source;
 use crate::warnings::{WarningKind, Warnings};
 
 pub(super) fn read_ascii<'a>(
-    file: &'a [u8],
+    file: &'a Source,
     header: &'a PlyHeader,
     uses: &[ElementUse],
     job: &Job,
     warnings: &mut Warnings,
 ) -> Result<Body<'a>, Stop> {
-    let text = Text::index(&file[header.body_start..], header, job)?;
+    let text = Text::index(file, header, job)?;
     let mut body = Body::default();
     let mut first_line = 0;
     for (element, element_use) in header.elements.iter().zip(uses) {
@@ -125,25 +128,24 @@ impl RowReader<'_, '_> {
         let shares = share_out(&parts, &mut bytes, stride);
         first_error(shares.into_par_iter().map(|(part, out)| {
             job.check()?;
-            let mut rows = out.chunks_exact_mut(stride.max(1));
-            self.each_line(part, |line, row, place| {
-                let mut words = Words { rest: line };
-                let out = rows.next().unwrap_or_default();
+            let mut slots = out.chunks_exact_mut(stride.max(1));
+            let read = self.each_row(part, |row| {
+                let slot = slots.next().unwrap_or_default();
                 let mut offset = 0;
-                for index in 0..widened.properties.len() {
-                    match widened.properties[index].kind {
+                for (index, property) in widened.properties.iter().enumerate() {
+                    match property.kind {
                         PropertyKind::Scalar(scalar) => {
-                            let value = self.number(&mut words, index, row, place)?;
-                            write_native(scalar, value, &mut out[offset..]);
+                            write_native(scalar, row.number(index)?, &mut slot[offset..]);
                             offset += scalar.size();
                         }
                         PropertyKind::List { .. } => {
-                            self.skip_property(&mut words, index, row, place)?;
+                            row.skip(index, property.kind)?;
                         }
                     }
                 }
                 Ok(())
-            })
+            });
+            read.map_err(Stop::from)
         }))?;
         Ok(Table {
             bytes: Cow::Owned(bytes),
@@ -172,9 +174,7 @@ impl RowReader<'_, '_> {
         let read = parts.par_iter().map(|part| {
             job.check()?;
             let mut found = empty();
-            self.each_line(part, |line, row, place| {
-                self.read_corners(line, lists, row, place, &mut found)
-            })?;
+            self.each_row(part, |row| self.read_corners(row, lists, &mut found))?;
             Ok(found)
         });
         let read: Vec<Result<CornerLists, Stop>> = read.collect();
@@ -205,23 +205,21 @@ impl RowReader<'_, '_> {
                 job.check()?;
                 let (mut max_corner, mut degenerate_count) = (0, 0);
                 let mut slots = slots.iter_mut();
-                let read = self.each_line(part, |line, row, place| {
+                self.each_row(part, |row| {
                     if other_length.load(Ordering::Relaxed) {
-                        return Err(NotTriangles::OtherLength);
+                        return Ok(());
                     }
-                    let [a, b, c] = self.read_triangle(line, lists, row, place)?;
+                    let Some([a, b, c]) = self.read_triangle(row, lists)? else {
+                        other_length.store(true, Ordering::Relaxed);
+                        return Ok(());
+                    };
                     max_corner = max_corner.max(a).max(b).max(c);
                     degenerate_count += u64::from(a == b || b == c || a == c);
                     if let Some(slot) = slots.next() {
                         *slot = [a, b, c];
                     }
                     Ok(())
-                });
-                match read {
-                    Ok(()) => {}
-                    Err(NotTriangles::OtherLength) => other_length.store(true, Ordering::Relaxed),
-                    Err(NotTriangles::Ply(error)) => return Err(Stop::from(error)),
-                }
+                })?;
                 Ok((max_corner, degenerate_count))
             });
         let read: Vec<Result<(u32, u64), Stop>> = read.collect();
@@ -242,177 +240,78 @@ impl RowReader<'_, '_> {
         }))
     }
 
+    /// `None` if the row has another number of corners.
     #[inline]
     fn read_triangle(
         &self,
-        line: &[u8],
+        row: &mut Row<'_>,
         lists: FaceLists,
-        row: u64,
-        place: Place,
-    ) -> Result<[u32; 3], NotTriangles> {
-        let mut words = Words { rest: line };
+    ) -> Result<Option<[u32; 3]>, Fault> {
         let mut triangle = [0; 3];
-        for index in 0..self.element.properties.len() {
+        for (index, property) in self.element.properties.iter().enumerate() {
             if index != lists.corners {
-                self.skip_property(&mut words, index, row, place)?;
+                row.skip(index, property.kind)?;
                 continue;
             }
-            if self.list_length(&mut words, index, row, place)? != 3 {
-                return Err(NotTriangles::OtherLength);
+            if row.list_length(index)? != 3 {
+                return Ok(None);
             }
             for corner in &mut triangle {
-                *corner = corner_from(self.integer(&mut words, index, row, place)?);
+                *corner = corner_from(row.integer(index)?);
             }
         }
-        Ok(triangle)
+        Ok(Some(triangle))
     }
 
     fn read_corners(
         &self,
-        line: &[u8],
+        row: &mut Row<'_>,
         lists: FaceLists,
-        row: u64,
-        place: Place,
         found: &mut CornerLists,
-    ) -> Result<(), PlyError> {
-        let mut words = Words { rest: line };
-        for index in 0..self.element.properties.len() {
+    ) -> Result<(), Fault> {
+        for (index, property) in self.element.properties.iter().enumerate() {
             if index != lists.corners {
-                let length = self.skip_property(&mut words, index, row, place)?;
+                let length = row.skip(index, property.kind)?;
                 found.with_holes += u64::from(Some(index) == lists.holes && length > 0);
                 continue;
             }
-            let length = self.list_length(&mut words, index, row, place)?;
+            let length = row.list_length(index)?;
             for _ in 0..length {
-                found
-                    .corners
-                    .push(corner_from(self.integer(&mut words, index, row, place)?));
+                found.corners.push(corner_from(row.integer(index)?));
             }
             found.lengths.push(length);
         }
         Ok(())
     }
 
-    /// Passes over a property; the words that it had, without a list's length.
-    fn skip_property(
-        &self,
-        words: &mut Words<'_>,
-        index: usize,
-        row: u64,
-        place: Place,
-    ) -> Result<u32, PlyError> {
-        let length = match self.element.properties[index].kind {
-            PropertyKind::Scalar(_) => 1,
-            PropertyKind::List { .. } => self.list_length(words, index, row, place)?,
-        };
-        for _ in 0..length {
-            self.word(words, index, row, place)?;
-        }
-        Ok(length)
-    }
-
-    /// Calls `read` with each line of a part, its row and its place, until one fails.
-    fn each_line<E>(
+    /// Calls `read` with each row of a part until one fails.
+    fn each_row(
         &self,
         part: &Part<'_>,
-        mut read: impl FnMut(&[u8], u64, Place) -> Result<(), E>,
-    ) -> Result<(), E> {
+        mut read: impl FnMut(&mut Row<'_>) -> Result<(), Fault>,
+    ) -> Result<(), PlyError> {
         let Part {
             piece,
             skip,
             first_row,
             rows,
         } = part;
-        let text = &self.text.bytes[piece.start..piece.end];
-        let numbered = lines_of(text, self.text.line_end).zip(piece.file_lines_before + 1..);
-        let with_words = numbered
-            .filter(|(line, _)| has_words(line))
-            .skip(*skip)
-            .take(*rows);
-        for ((line, number), row) in with_words.zip(*first_row + 1..) {
-            read(line, row, Place::Line(number))?;
+        let mut row = Row::new(self.text.words(piece));
+        for _ in 0..*skip {
+            row.start();
+            row.end();
         }
+        for number in (*first_row + 1..).take(*rows) {
+            row.start();
+            let rest = row.rest();
+            read(&mut row).map_err(|fault| {
+                let line = self.text.line_of(piece, rest);
+                fault.into_error(self.element, number, line)
+            })?;
+            row.end();
+        }
+        self.text.release(piece);
         Ok(())
-    }
-
-    #[inline]
-    fn word<'w>(
-        &self,
-        words: &mut Words<'w>,
-        index: usize,
-        row: u64,
-        place: Place,
-    ) -> Result<&'w [u8], PlyError> {
-        words.next().ok_or_else(|| PlyError::ShortLine {
-            place,
-            element: self.element.name.clone(),
-            row,
-            property: self.element.properties[index].name.clone(),
-        })
-    }
-
-    #[inline]
-    fn number(
-        &self,
-        words: &mut Words<'_>,
-        index: usize,
-        row: u64,
-        place: Place,
-    ) -> Result<f64, PlyError> {
-        if let Some(value) = words.next_number(scan_f64) {
-            return Ok(value);
-        }
-        let word = self.word(words, index, row, place)?;
-        parse_f64(word).ok_or_else(|| self.not_a_number(word, index, row, place))
-    }
-
-    #[inline]
-    fn integer(
-        &self,
-        words: &mut Words<'_>,
-        index: usize,
-        row: u64,
-        place: Place,
-    ) -> Result<i64, PlyError> {
-        if let Some(value) = words.next_number(scan_i64) {
-            return Ok(value);
-        }
-        let word = self.word(words, index, row, place)?;
-        parse_i64(word).ok_or_else(|| self.not_a_number(word, index, row, place))
-    }
-
-    #[inline]
-    fn list_length(
-        &self,
-        words: &mut Words<'_>,
-        index: usize,
-        row: u64,
-        place: Place,
-    ) -> Result<u32, PlyError> {
-        let found = self.integer(words, index, row, place)?;
-        // Each item takes a word, and a word a byte and a blank.
-        let most = words.rest.len() as i64 / 2 + 1;
-        u32::try_from(found)
-            .ok()
-            .filter(|length| i64::from(*length) <= most)
-            .ok_or_else(|| PlyError::ListLength {
-                place,
-                element: self.element.name.clone(),
-                row,
-                property: self.element.properties[index].name.clone(),
-                found,
-            })
-    }
-
-    #[cold]
-    fn not_a_number(&self, word: &[u8], index: usize, row: u64, place: Place) -> PlyError {
-        PlyError::Number {
-            place,
-            element: self.element.name.clone(),
-            row,
-            property: self.element.properties[index].name.clone(),
-            found: excerpt(word),
-        }
     }
 }
 
@@ -450,16 +349,4 @@ fn share_out<'p, 't, 's, T>(
         shares.push((part, mine));
     }
     shares
-}
-
-/// Why rows are not all triangles.
-enum NotTriangles {
-    OtherLength,
-    Ply(PlyError),
-}
-
-impl From<PlyError> for NotTriangles {
-    fn from(error: PlyError) -> Self {
-        Self::Ply(error)
-    }
 }

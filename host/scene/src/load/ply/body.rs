@@ -9,6 +9,7 @@ use super::header::{Encoding, PlyHeader};
 use super::plan::{ElementUse, FaceKind};
 use super::table::{ByteOrder, Table};
 use crate::job::{Cancelled, Job};
+use crate::load::source::Source;
 use crate::warnings::Warnings;
 
 /// The body of a file.
@@ -89,7 +90,7 @@ impl From<Cancelled> for Stop {
 impl<'a> Body<'a> {
     /// Reads what `uses` asks for.
     pub(super) fn read(
-        file: &'a [u8],
+        file: &'a Source,
         header: &'a PlyHeader,
         uses: &[ElementUse],
         job: &Job,

@@ -19,9 +19,11 @@ mod number;
 mod plan;
 mod polygon;
 mod roles;
+mod row;
 mod table;
 mod text;
 mod triangles;
+mod words;
 
 use std::sync::Arc;
 
@@ -35,6 +37,7 @@ use faces::{Faces, Vertices};
 use header::PlyHeader;
 use roles::Roles;
 
+use super::source::Source;
 use super::{Estimation, LoadOptions, Winding};
 use crate::estimate::{Neighbours, Orientation, complete};
 use crate::geometry::Geometry;
@@ -56,7 +59,7 @@ pub(super) struct PlyContents {
 }
 
 /// Reads the bytes of a PLY file.
-pub(super) fn read(file: &[u8], options: LoadOptions, job: &Job) -> Result<PlyContents, Stop> {
+pub(super) fn read(file: &Source, options: LoadOptions, job: &Job) -> Result<PlyContents, Stop> {
     let mut warnings = Warnings::new();
     job.set_stage("reading the file");
     let header = PlyHeader::parse(file)?;

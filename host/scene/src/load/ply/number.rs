@@ -9,7 +9,7 @@ const EXACT_POWERS: [f64; 23] = [
 /// Largest integer up to which f64 holds all.
 const EXACT_INTEGER: u64 = 1 << 53;
 
-/// Reads a decimal number, correctly rounded; also `nan`, `inf`, and what Microsoft's C library prints for them.
+/// Reads a decimal number, correctly rounded to f64; also `nan`, `inf`, and what Microsoft's C library prints for them.
 pub(super) fn parse_f64(word: &[u8]) -> Option<f64> {
     match scan_f64(word) {
         Some((value, length)) if length == word.len() => Some(value),
@@ -185,6 +185,39 @@ mod tests {
         #[test]
         fn short_decimals_equal_the_standard_library(text in "-?[0-9]{1,9}\\.[0-9]{0,9}(e-?[0-9]{1,2})?") {
             prop_assert_eq!(parse_f64(text.as_bytes()), text.parse().ok());
+        }
+
+        #[test]
+        fn any_spelling_equals_the_standard_library(
+            text in "[-+]?[0-9]{0,24}(\\.[0-9]{0,24})?([eE][-+]?[0-9]{0,6})?|[-+]?(inf|nan|infinity)",
+        ) {
+            let ours = parse_f64(text.as_bytes()).map(f64::to_bits);
+            prop_assert_eq!(ours, text.parse().ok().map(f64::to_bits));
+        }
+
+        #[test]
+        fn a_scan_reads_the_number_and_no_more(value: f64, text in "[-+]?[0-9]{1,9}(\\.[0-9]{0,9})?", after in "([ \n\r\tx][ -~]*)?") {
+            let value = if value.is_finite() { value } else { 0.5 };
+            for word in [format!("{value}"), format!("{value:e}"), text] {
+                if let Some((scanned, length)) = scan_f64(format!("{word}{after}").as_bytes()) {
+                    prop_assert_eq!(length, word.len());
+                    prop_assert_eq!(scanned.to_bits(), word.parse::<f64>().unwrap().to_bits());
+                }
+            }
+        }
+
+        #[test]
+        fn integers_equal_the_standard_library(value: i64, short in -999_999..999_999_i64) {
+            for value in [value, short, value >> 20] {
+                // 19 digits go by way of f64, like a number that has a point.
+                let expected = if value.unsigned_abs() < 1_000_000_000_000_000_000 { value } else { value as f64 as i64 };
+                prop_assert_eq!(parse_i64(value.to_string().as_bytes()), Some(expected));
+            }
+        }
+
+        #[test]
+        fn every_f32_is_read_back_exactly(value in proptest::num::f32::NORMAL | proptest::num::f32::SUBNORMAL) {
+            prop_assert_eq!(parse_f64(value.to_string().as_bytes()).map(|read| read as f32), Some(value));
         }
 
         #[test]

@@ -5,15 +5,19 @@ use rayon::prelude::*;
 use super::body::Stop;
 use super::error::{Place, PlyError};
 use super::header::{Element, PlyHeader};
+use super::words::Words;
 use crate::job::Job;
+use crate::load::source::Source;
 
 /// Text read between two looks at the cancel flag, and by one thread at a time, bytes.
 const PIECE_BYTES: usize = 256 << 10;
 
 /// The text of a body, with its lines counted.
 pub(super) struct Text<'a> {
-    pub(super) bytes: &'a [u8],
-    pub(super) line_end: u8,
+    file: &'a Source,
+    /// The body.
+    bytes: &'a [u8],
+    line_end: u8,
     pub(super) pieces: Vec<Piece>,
     /// Lines with words.
     pub(super) lines: u64,
@@ -34,8 +38,10 @@ pub(super) struct Piece {
 }
 
 impl<'a> Text<'a> {
-    pub(super) fn index(bytes: &'a [u8], header: &PlyHeader, job: &Job) -> Result<Self, Stop> {
+    /// Counts the lines of the body of `file`.
+    pub(super) fn index(file: &'a Source, header: &PlyHeader, job: &Job) -> Result<Self, Stop> {
         let line_end = header.line_end;
+        let bytes = file.get(header.body_start..).unwrap_or_default();
         let mut starts = vec![0];
         while let Some(wanted) = starts
             .last()
@@ -53,10 +59,10 @@ impl<'a> Text<'a> {
             .par_iter()
             .map(|&(start, end)| {
                 job.check()?;
-                let all = lines_of(&bytes[start..end], line_end);
-                Ok(all.fold((0, 0), |(with_words, all), line| {
-                    (with_words + u64::from(has_words(line)), all + 1)
-                }))
+                let counted = count_lines(&bytes[start..end], line_end);
+                // Memory stays low: the piece is read again later, which costs little while the system still has it.
+                file.release(header.body_start + start..header.body_start + end);
+                Ok(counted)
             })
             .collect::<Result<_, Stop>>()?;
         let (mut lines_before, mut file_lines_before) = (0, header.line_count);
@@ -73,12 +79,31 @@ impl<'a> Text<'a> {
             file_lines_before += all_lines;
         }
         Ok(Self {
+            file,
             bytes,
             line_end,
             pieces,
             lines: lines_before,
             file_lines: file_lines_before,
         })
+    }
+
+    /// The words of a piece.
+    pub(super) fn words(&self, piece: &Piece) -> Words<'a> {
+        Words::new(&self.bytes[piece.start..piece.end], self.line_end)
+    }
+
+    /// Line of the file where `rest`, the end of a piece, starts.
+    pub(super) fn line_of(&self, piece: &Piece, rest: &[u8]) -> u64 {
+        let before = &self.bytes[piece.start..piece.end - rest.len()];
+        piece.file_lines_before + 1 + count(before, |byte| byte == self.line_end)
+    }
+
+    /// Tells the system that a piece has been read.
+    pub(super) fn release(&self, piece: &Piece) {
+        let body_start = self.file.len() - self.bytes.len();
+        self.file
+            .release(body_start + piece.start..body_start + piece.end);
     }
 
     /// Refuses rows that are not there before anything is allocated for them.
@@ -101,61 +126,66 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Lines of `text`, without their ends; no line after the last end.
-pub(super) fn lines_of(text: &[u8], line_end: u8) -> impl Iterator<Item = &[u8]> {
-    let mut start = 0;
-    std::iter::from_fn(move || {
-        let rest = text.get(start..).filter(|rest| !rest.is_empty())?;
-        let length = memchr::memchr(line_end, rest).unwrap_or(rest.len());
-        start += length + 1;
-        Some(&rest[..length])
-    })
+/// Lines of `text` that have words, and all of its lines.
+fn count_lines(text: &[u8], line_end: u8) -> (u64, u64) {
+    let unfinished = text.last().is_some_and(|byte| *byte != line_end);
+    let all = count(text, |byte| byte == line_end) + u64::from(unfinished);
+    // Most files have no line that starts with a blank, hence none without words.
+    let after_ends = text.get(1..).unwrap_or_default();
+    let blank_starts = count_pairs(text, after_ends, |before, byte| {
+        before == line_end && byte <= b' '
+    });
+    if blank_starts == 0 && text.first().is_some_and(|byte| *byte > b' ') {
+        return (all, all);
+    }
+    let mut words = Words::new(text, line_end);
+    let mut with_words = 0;
+    while words.start_row() {
+        with_words += 1;
+        words.end_row();
+    }
+    (with_words, all)
 }
 
-pub(super) fn has_words(line: &[u8]) -> bool {
-    line.iter().any(|byte| *byte > b' ')
-}
+/// Bytes summed at once: 255 ones fit into a byte, so that the loop over them runs on whole vectors.
+const BYTES_A_SUM: usize = 255;
 
-/// The words of a line, apart by blanks, tabs or carriage returns.
-pub(super) struct Words<'a> {
-    pub(super) rest: &'a [u8],
-}
-
-impl<'a> Words<'a> {
-    /// The next word.
-    #[inline]
-    pub(super) fn next(&mut self) -> Option<&'a [u8]> {
-        self.skip_blanks();
-        let length = self
-            .rest
+fn count(bytes: &[u8], is_wanted: impl Fn(u8) -> bool) -> u64 {
+    let sum = |bytes: &[u8]| {
+        bytes
             .iter()
-            .position(|byte| *byte <= b' ')
-            .unwrap_or(self.rest.len());
-        let (word, rest) = self.rest.split_at(length);
-        self.rest = rest;
-        (!word.is_empty()).then_some(word)
-    }
+            .map(|byte| u8::from(is_wanted(*byte)))
+            .sum::<u8>()
+    };
+    bytes
+        .chunks(BYTES_A_SUM)
+        .map(|bytes| u64::from(sum(bytes)))
+        .sum()
+}
 
-    /// The next word as a number, if `scan` reads all of it; otherwise the word stays.
-    #[inline]
-    pub(super) fn next_number<T>(
-        &mut self,
-        scan: impl Fn(&[u8]) -> Option<(T, usize)>,
-    ) -> Option<T> {
-        self.skip_blanks();
-        let (value, length) = scan(self.rest)?;
-        let rest = &self.rest[length..];
-        if rest.first().is_some_and(|byte| *byte > b' ') {
-            return None;
-        }
-        self.rest = rest;
-        Some(value)
-    }
+fn count_pairs(first: &[u8], second: &[u8], is_wanted: impl Fn(u8, u8) -> bool) -> u64 {
+    let sum = |(first, second): (&[u8], &[u8])| {
+        let pairs = first.iter().zip(second);
+        pairs.map(|(a, b)| u8::from(is_wanted(*a, *b))).sum::<u8>()
+    };
+    let chunks = first.chunks(BYTES_A_SUM).zip(second.chunks(BYTES_A_SUM));
+    chunks.map(|pair| u64::from(sum(pair))).sum()
+}
 
-    #[inline]
-    fn skip_blanks(&mut self) {
-        while let [b'\0'..=b' ', rest @ ..] = self.rest {
-            self.rest = rest;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn lines_are_counted_as_one_by_one(text in "[a \t\r\n]{0,600}", line_end in prop_oneof![Just(b'\n'), Just(b'\r')]) {
+            let text = text.as_bytes();
+            let mut lines: Vec<&[u8]> = text.split(|byte| *byte == line_end).collect();
+            // What follows the last end is a line only if there is something.
+            lines.pop_if(|last| last.is_empty());
+            let with_words = lines.iter().filter(|line| line.contains(&b'a')).count() as u64;
+            prop_assert_eq!(count_lines(text, line_end), (with_words, lines.len() as u64));
         }
     }
 }
