@@ -17,6 +17,9 @@ struct State {
     progress: AtomicU32,
     cancelled: AtomicBool,
     stage: Mutex<Cow<'static, str>>,
+    /// Looks at the cancel flag until it sets itself; 0 for never.
+    #[cfg(test)]
+    checks_left: std::sync::atomic::AtomicU64,
 }
 
 /// The act was cancelled by its owner.
@@ -28,6 +31,14 @@ impl Job {
     /// A job at 0, not cancelled.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A job that is cancelled when a worker looks for the `check`-th time, from 0.
+    #[cfg(test)]
+    pub(crate) fn cancelled_at_check(check: u64) -> Self {
+        let job = Self::new();
+        job.state.checks_left.store(check + 1, Ordering::Relaxed);
+        job
     }
 
     /// Progress, 0..1.
@@ -87,6 +98,17 @@ impl Job {
     /// # Errors
     /// [`Cancelled`] once the owner has cancelled.
     pub fn check(&self) -> Result<(), Cancelled> {
+        #[cfg(test)]
+        if self
+            .state
+            .checks_left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| {
+                left.checked_sub(1)
+            })
+            == Ok(1)
+        {
+            self.cancel();
+        }
         if self.is_cancelled() {
             Err(Cancelled)
         } else {

@@ -6,6 +6,7 @@
 
 mod faces;
 mod neighbours;
+mod tree;
 
 use pointstage_plugin_api::columns::NO_NORMAL;
 
@@ -129,7 +130,6 @@ pub(crate) fn complete(
     }
     let wants_neighbours = lacks_any(geometry);
     if wants_neighbours && neighbours == Neighbours::Use {
-        job.set_stage("estimating normals and radii from neighbours");
         neighbours::complete(geometry, job, warnings)?;
     }
     Ok(orientation)

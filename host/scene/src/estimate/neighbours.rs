@@ -8,20 +8,20 @@
 //! the area `π d₈² / 9`, and the radius is the side of a square of that area. On a square grid of step h it is 0.84 h; disks
 //! of 0.71 h already cover the grid.
 
-use std::num::NonZero;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::DVec3;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use glam::{DVec3, Vec3};
 use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, NO_NORMAL, encode_normal};
 use rayon::prelude::*;
 
+use super::tree::{Tree, TreePoint};
 use crate::geometry::{Geometry, Provenance};
 use crate::job::{Cancelled, Job};
 use crate::warnings::{WarningKind, Warnings};
 
 /// Points asked for: the point itself and 16 neighbours, for the plane.
-const ASKED: NonZero<usize> = NonZero::new(17).expect("17 is not 0");
+const ASKED: usize = 17;
 
 /// The neighbour whose distance gives the radius.
 const RADIUS_NEIGHBOUR: usize = 8;
@@ -35,9 +35,15 @@ const MOST_MEDIANS: f32 = 10.0;
 /// Points between two looks at the cancel flag.
 const POINTS_A_PIECE: usize = 1 << 12;
 
+/// Part of the load's progress in which the tree is built.
+const TREE_PART: std::ops::Range<f32> = 0.5..0.6;
+
+/// Part of the load's progress in which neighbours are looked for.
+const SEARCH_PART: std::ops::Range<f32> = 0.6..1.0;
+
 /// What is known of one surfel: its number over all blocks, packed normal, and radius (0 if all neighbours are in one place).
 struct Estimate {
-    surfel: usize,
+    surfel: u32,
     normal: u32,
     radius: f32,
 }
@@ -48,79 +54,69 @@ pub(super) fn complete(
     job: &Job,
     warnings: &mut Warnings,
 ) -> Result<(), Cancelled> {
-    let points: Vec<[f32; 3]> = geometry
+    job.set_stage("sorting points to find neighbours");
+    let centres = geometry
         .blocks
         .iter()
-        .flat_map(|block| block.position_radius.iter())
-        .map(|&[x, y, z, _]| [x, y, z])
-        .collect();
-    let wanted = surfels_without(geometry);
-    job.check()?;
-    // Fails on too many items for its index type alone, and these were counted as u32 already.
-    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(&points) else {
-        return Ok(());
-    };
-    let pieces: Vec<Vec<Estimate>> = wanted
+        .flat_map(|block| block.position_radius.iter());
+    let points = (0..).zip(centres).map(|(index, &[x, y, z, _])| TreePoint {
+        centre: [x, y, z],
+        index,
+    });
+    let tree = Tree::build(points.collect(), &TREE_PART, job)?;
+    job.set_stage("estimating normals and radii from neighbours");
+    let done = AtomicUsize::new(0);
+    // In the order of the tree, where the neighbours of one point are mostly those of the one before.
+    let pieces: Vec<Vec<Estimate>> = tree
+        .points()
         .par_chunks(POINTS_A_PIECE)
-        .enumerate()
-        .map(|(piece, surfels)| {
+        .map(|points| {
             job.check()?;
-            if piece % 16 == 0 {
-                job.set_progress_within(&(0.5..1.0), piece * POINTS_A_PIECE, wanted.len());
-            }
-            Ok(surfels
-                .iter()
-                .map(|&surfel| estimate(&tree, &points, surfel))
-                .collect())
+            let wanted = points.iter().filter(|point| lacks(geometry, point.index));
+            let estimates = wanted.map(|point| estimate(&tree, point)).collect();
+            let done = done.fetch_add(points.len(), Ordering::Relaxed) + points.len();
+            job.set_progress_within(&SEARCH_PART, done, geometry.surfel_count);
+            Ok(estimates)
         })
         .collect::<Result<_, Cancelled>>()?;
+    drop(tree);
     let mut estimates: Vec<Estimate> = pieces.into_iter().flatten().collect();
     bound_radii(&mut estimates, geometry, warnings);
     write(geometry, &estimates, warnings);
     Ok(())
 }
 
-/// Numbers of the surfels that lack a normal or a radius.
-fn surfels_without(geometry: &Geometry) -> Vec<usize> {
-    let all = geometry.origins.normals == Provenance::Missing;
-    let blocks = geometry.blocks.iter().enumerate();
-    blocks
-        .flat_map(|(block_index, block)| {
-            let lacks = move |inside: &usize| {
-                let no_normal = block
-                    .normal
-                    .as_ref()
-                    .is_some_and(|normals| normals[*inside] == NO_NORMAL);
-                all || no_normal || block.position_radius[*inside][3] <= 0.0
-            };
-            (0..block.len())
-                .filter(lacks)
-                .map(move |inside| block_index * MAX_BLOCK_SURFELS + inside)
-        })
-        .collect()
+/// True if a surfel has no normal or no radius.
+fn lacks(geometry: &Geometry, surfel: u32) -> bool {
+    let (block, inside) = place_of(surfel);
+    let block = &geometry.blocks[block];
+    let no_normal = block
+        .normal
+        .as_ref()
+        .is_none_or(|normals| normals[inside] == NO_NORMAL);
+    no_normal || block.position_radius[inside][3] <= 0.0
 }
 
-fn estimate(tree: &ImmutableKdTree<f32, 3>, points: &[[f32; 3]], surfel: usize) -> Estimate {
-    let near = tree
-        .query(&points[surfel])
-        .nearest_n::<SquaredEuclidean<f32>>(ASKED)
-        .execute();
-    let chosen = near
-        .get(RADIUS_NEIGHBOUR)
-        .or(near.last())
-        .map_or(0.0, |found| found.distance);
+/// Block of a surfel, and its place in there.
+fn place_of(surfel: u32) -> (usize, usize) {
+    let surfel = surfel as usize;
+    (surfel / MAX_BLOCK_SURFELS, surfel % MAX_BLOCK_SURFELS)
+}
+
+fn estimate(tree: &Tree, point: &TreePoint) -> Estimate {
+    let near = tree.nearest::<ASKED>(point.centre);
+    let count = near.count();
+    let squared = &near.squared[..count];
+    let farthest = squared.last().copied().unwrap_or(0.0);
+    let chosen = squared.get(RADIUS_NEIGHBOUR).copied().unwrap_or(farthest);
     // Where many points coincide, the farthest found may still be apart.
-    let squared = if chosen > 0.0 {
-        chosen
-    } else {
-        near.last().map_or(0.0, |found| found.distance)
-    };
-    let around = near
+    let squared = if chosen > 0.0 { chosen } else { farthest };
+    let around = near.places[..count]
         .iter()
-        .filter_map(|found| points.get(found.item as usize));
-    let normal = plane_normal(around.map(|&[x, y, z]| DVec3::new(x.into(), y.into(), z.into())));
+        .filter_map(|place| tree.points().get(*place as usize));
+    let normal = plane_normal(around.map(|near| Vec3::from(near.centre).as_dvec3()));
     Estimate {
-        surfel,
+        surfel: point.index,
         normal: encode_normal(normal.as_vec3()),
         radius: squared.sqrt() * RADIUS_PER_DISTANCE,
     }
@@ -240,32 +236,27 @@ fn write(geometry: &mut Geometry, estimates: &[Estimate], warnings: &mut Warning
         blocks, origins, ..
     } = geometry;
     let (mut normal_count, mut radius_count) = (0, 0);
-    let mut rest = estimates;
-    for (block_index, block) in blocks.iter_mut().enumerate() {
-        let end = (block_index + 1) * MAX_BLOCK_SURFELS;
-        let (mine, others) = rest.split_at(rest.partition_point(|estimate| estimate.surfel < end));
-        rest = others;
-        let count = block.len();
-        let normals = block
-            .normal
-            .get_or_insert_with(|| std::iter::repeat_n(NO_NORMAL, count).collect());
-        let normals = Arc::make_mut(normals);
-        let surfels = Arc::make_mut(&mut block.position_radius);
-        for Estimate {
-            surfel,
-            normal,
-            radius,
-        } in mine
-        {
-            let inside = surfel % MAX_BLOCK_SURFELS;
-            if normals[inside] == NO_NORMAL {
-                normals[inside] = *normal;
-                normal_count += 1;
-            }
-            if surfels[inside][3] <= 0.0 {
-                surfels[inside][3] = *radius;
-                radius_count += 1;
-            }
+    let mut columns: Vec<(&mut [u32], &mut [[f32; 4]])> = blocks
+        .iter_mut()
+        .map(|block| {
+            let count = block.len();
+            let normals = block
+                .normal
+                .get_or_insert_with(|| std::iter::repeat_n(NO_NORMAL, count).collect());
+            let surfels = Arc::make_mut(&mut block.position_radius);
+            (Arc::make_mut(normals), surfels)
+        })
+        .collect();
+    for estimate in estimates {
+        let (block, inside) = place_of(estimate.surfel);
+        let (normals, surfels) = &mut columns[block];
+        if normals[inside] == NO_NORMAL {
+            normals[inside] = estimate.normal;
+            normal_count += 1;
+        }
+        if surfels[inside][3] <= 0.0 {
+            surfels[inside][3] = estimate.radius;
+            radius_count += 1;
         }
     }
     if is_mesh {
@@ -372,6 +363,35 @@ mod tests {
         let (geometry, _) = completed(points(grid.chain([[1e4, 0.0, 0.0]])));
         let lone = geometry.blocks[0].position_radius[400][3];
         assert!(lone < 20.0, "radius {lone}");
+    }
+
+    #[test]
+    fn a_cancel_at_any_check_leaves_the_geometry_as_it_was() {
+        let spiral = (0..40_000_u32).map(|index| {
+            let turn = index as f32 * 0.01;
+            [turn.sin(), turn.cos(), index as f32 * 1e-4]
+        });
+        let geometry = points(spiral);
+        let (mut in_tree, mut in_search) = (0, 0);
+        for check in 0.. {
+            let job = Job::cancelled_at_check(check);
+            let mut cancelled = geometry.clone();
+            let result = complete(&mut cancelled, &job, &mut Warnings::new());
+            if result.is_ok() {
+                break;
+            }
+            assert_eq!(cancelled.origins.normals, Provenance::Missing);
+            assert!(cancelled.blocks[0].normal.is_none(), "check {check}");
+            if job.stage().starts_with("sorting") {
+                in_tree += 1;
+                assert!(job.progress() <= TREE_PART.end, "check {check}");
+            } else {
+                in_search += 1;
+            }
+        }
+        // 40,000 points are cut twice, which makes four runs; three cuts and four runs each look at the flag.
+        assert!(in_tree >= 7, "{in_tree} looks at the flag while sorting");
+        assert!(in_search >= 10, "{in_search} while searching");
     }
 
     proptest! {
