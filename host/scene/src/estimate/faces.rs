@@ -1,46 +1,24 @@
-//! Normals, radii and orientation of a mesh from its faces.
+//! Normals and radii of a mesh from its faces, and what tells which way it is wound.
 //!
 //! Threads share the vertices out, not the faces: each runs through all triangles and adds up what falls to its own range,
 //! always in file order. So no two write to one place, and the sums do not depend on the number of threads.
 
-use std::sync::Arc;
-
-use glam::{DVec3, Vec3};
-use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, NO_NORMAL, encode_normal};
+use glam::Vec3;
+use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
 use rayon::prelude::*;
 
+use super::sums::{Sum, write};
+use super::winding::{Totals, orientation};
 use super::{Orientation, Polygons};
-use crate::geometry::{Block, Geometry, Provenance};
+use crate::geometry::Geometry;
 use crate::job::{Cancelled, Job};
 use crate::load::FaceRadius;
-use crate::load::fill::zeroed_slice;
 
 /// Triangles between two looks at the cancel flag.
 const TRIANGLES_A_PIECE: usize = 1 << 18;
 
 /// The most ranges that vertices are shared out to: each costs a pass over the corners.
 const MAX_RANGES: usize = 8;
-
-/// A mesh is taken for closed when its area vectors add up to less than this part of its area. They add up to nothing in a
-/// closed mesh, and to all of it in a flat one.
-const OPEN_PART: f64 = 0.1;
-
-/// Volume below which a mesh has no inside, as a part of that of a ball of the same area, squared.
-const FLAT_PART: f64 = 1e-6;
-
-/// What the triangles add up to at one vertex: sum of unit normals, and the largest squared radius; in scaled units.
-type Sum = [f32; 4];
-
-/// What the triangles add up to as a whole; in scaled units.
-#[derive(Clone, Copy, Debug, Default)]
-struct Totals {
-    /// Six times the signed volume around the box's centre.
-    volume: f64,
-    /// Twice the area.
-    area: f64,
-    /// Twice the sum of area vectors.
-    area_vector: DVec3,
-}
 
 /// Centres by index over all blocks, and what edges are multiplied by so that f32 squares of small ones do not vanish.
 struct Centres<'a> {
@@ -237,80 +215,10 @@ fn replace_normals(polygons: &Polygons, centres: &Centres<'_>, start: u32, sums:
     }
 }
 
-/// Puts the sums where the geometry has nothing.
-fn write(geometry: &mut Geometry, sums: &[Sum], unscale: f32) {
-    let Geometry {
-        blocks, origins, ..
-    } = geometry;
-    for (block, sums) in blocks.iter_mut().zip(sums.chunks(MAX_BLOCK_SURFELS)) {
-        write_normals(block, sums);
-        let slots = Arc::make_mut(&mut block.position_radius);
-        slots
-            .par_iter_mut()
-            .zip(sums)
-            .with_min_len(1 << 14)
-            .for_each(|(slot, sum)| {
-                if slot[3] <= 0.0 {
-                    slot[3] = sum[3].sqrt() * unscale;
-                }
-            });
-    }
-    for provenance in [&mut origins.normals, &mut origins.radii] {
-        if *provenance == Provenance::Missing {
-            *provenance = Provenance::FromFaces;
-        }
-    }
-}
-
-fn write_normals(block: &mut Block, sums: &[Sum]) {
-    let packed = |&[x, y, z, _]: &Sum| {
-        let sum = Vec3::new(x, y, z);
-        if sum == Vec3::ZERO {
-            NO_NORMAL
-        } else {
-            encode_normal(sum)
-        }
-    };
-    match &mut block.normal {
-        Some(normals) if normals.contains(&NO_NORMAL) => {
-            for (normal, sum) in Arc::make_mut(normals).iter_mut().zip(sums) {
-                if *normal == NO_NORMAL {
-                    *normal = packed(sum);
-                }
-            }
-        }
-        Some(_) => {}
-        None => {
-            let mut normals: Arc<[u32]> = zeroed_slice(sums.len());
-            let slots = Arc::get_mut(&mut normals).expect("just made, nobody else has it");
-            slots
-                .par_iter_mut()
-                .zip(sums)
-                .with_min_len(1 << 14)
-                .for_each(|(slot, sum)| *slot = packed(sum));
-            block.normal = Some(normals);
-        }
-    }
-}
-
-fn orientation(parts: &[Totals]) -> Orientation {
-    let volume: f64 = parts.iter().map(|part| part.volume / 6.0).sum();
-    let area: f64 = parts.iter().map(|part| part.area / 2.0).sum();
-    let area_vector: DVec3 = parts.iter().map(|part| part.area_vector / 2.0).sum();
-    let is_closed = area_vector.length() < OPEN_PART * area;
-    // A ball has 36 π V² = A³.
-    let is_thick = 36.0 * std::f64::consts::PI * volume * volume > FLAT_PART * area.powi(3);
-    match (is_closed && is_thick, volume < 0.0) {
-        (false, _) => Orientation::Unknown,
-        (true, true) => Orientation::Inward,
-        (true, false) => Orientation::Outward,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Origins;
+    use crate::geometry::{Block, Origins};
     use pointstage_plugin_api::columns::decode_normal;
 
     fn mesh(centres: &[[f32; 3]], triangles: &[[u32; 3]]) -> Geometry {

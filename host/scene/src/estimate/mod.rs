@@ -6,7 +6,10 @@
 
 mod faces;
 mod neighbours;
+mod plane;
+mod sums;
 mod tree;
+mod winding;
 
 use pointstage_plugin_api::columns::NO_NORMAL;
 

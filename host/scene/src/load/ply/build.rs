@@ -1,7 +1,8 @@
 //! Tables of vertices into surfel columns.
 //!
-//! Positions come first: one pass places all vertices, measures their box and counts those that are not finite. If some
-//! are not, or if the box is far from the origin, a second pass places the good ones around an origin of their own.
+//! Positions come first (see `place`): one pass places all vertices, measures their box and counts those that are not
+//! finite. If some are not, or if the box is far from the origin, a second pass places the good ones around an origin of
+//! their own. Axes, normals, colours and named columns follow, of the vertices that were kept.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,21 +12,15 @@ use pointstage_plugin_api::columns::{NO_NORMAL, TangentAxes, encode_normal};
 
 use super::body::Stop;
 use super::error::PlyError;
+use super::place::{Placed, new_indices, origin_for, place};
 use super::roles::{NamedRole, Roles};
-use super::table::{Field, RowSelection};
+use super::table::{Field, Piece, RowSelection};
 use crate::bounds::Bounds;
 use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
 use crate::job::{Cancelled, Job};
 use crate::load::Winding;
-use crate::load::fill::{Column, PIECE_SURFELS, fill_blocks};
+use crate::load::fill::{PIECE_SURFELS, fill_blocks};
 use crate::warnings::{WarningKind, Warnings};
-
-/// Largest coordinate taken for one: squares of larger ones leave the range of f32.
-const MAX_COORDINATE: f64 = 1e18;
-
-/// Positions get an origin of their own when they are farther from 0 than this many times their box is large: f32 then
-/// keeps less than a millionth of the box, 16 · 2⁻²⁴.
-const FAR_FROM_ORIGIN: f64 = 16.0;
 
 /// The columns of a file.
 #[derive(Debug)]
@@ -37,34 +32,6 @@ pub(super) struct Built {
     /// New index of each row, `u32::MAX` for dropped ones; `None` when all were kept.
     pub(super) new_index: Option<Vec<u32>>,
     pub(super) origins: Origins,
-}
-
-/// What placing the vertices found.
-#[derive(Clone, Copy, Debug)]
-struct Placed {
-    bounds: Bounds,
-    not_finite: usize,
-    without_radius: usize,
-}
-
-impl Default for Placed {
-    fn default() -> Self {
-        Self {
-            bounds: Bounds::EMPTY,
-            not_finite: 0,
-            without_radius: 0,
-        }
-    }
-}
-
-impl Placed {
-    fn merge(self, other: Self) -> Self {
-        Self {
-            bounds: self.bounds.union(other.bounds),
-            not_finite: self.not_finite + other.not_finite,
-            without_radius: self.without_radius + other.without_radius,
-        }
-    }
 }
 
 /// Builds the columns of `row_count` vertices.
@@ -152,102 +119,6 @@ fn warn_of_radii(roles: &Roles<'_>, placed: &Placed, warnings: &mut Warnings) {
             placed.without_radius as u64,
         );
     }
-}
-
-/// The origin for a box: 0, or a round number near its centre when it is far from 0 for its size.
-///
-/// The number is a multiple of a power of two close to the box's size, so that subtracting it from an f32 is exact.
-fn origin_for(bounds: &Bounds) -> DVec3 {
-    if bounds.is_empty() {
-        return DVec3::ZERO;
-    }
-    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    let size = bounds.size().max_element();
-    if farthest <= FAR_FROM_ORIGIN * size || farthest == 0.0 {
-        return DVec3::ZERO;
-    }
-    if size == 0.0 {
-        return bounds.centre();
-    }
-    let step = size.log2().floor().exp2();
-    (bounds.centre() / step).round() * step
-}
-
-/// Values of `N` fields for some surfels, as f64.
-struct Piece<const N: usize> {
-    values: [[f64; PIECE_SURFELS]; N],
-}
-
-impl<const N: usize> Piece<N> {
-    fn read(fields: &[Option<Field<'_>>; N], rows: &RowSelection, range: &Range<usize>) -> Self {
-        let mut values = [[0.0; PIECE_SURFELS]; N];
-        for (field, values) in fields.iter().zip(&mut values) {
-            if let Some(field) = field {
-                field.read(rows, range.clone(), &mut values[..range.len()]);
-            }
-        }
-        Self { values }
-    }
-}
-
-fn usable([x, y, z]: [f64; 3]) -> bool {
-    // Written so that NaN fails.
-    x.abs() <= MAX_COORDINATE && y.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE
-}
-
-/// Centres (less `origin`) and radii of the selected rows.
-fn place(
-    roles: &Roles<'_>,
-    rows: &RowSelection,
-    origin: DVec3,
-    job: &Job,
-) -> Result<(Column<[f32; 4]>, Placed), Cancelled> {
-    let fields = [Some(roles.x), Some(roles.y), roles.z, roles.radius];
-    let convert = |range: Range<usize>, slots: &mut [[f32; 4]]| {
-        let piece = Piece::read(&fields, rows, &range);
-        let [xs, ys, zs, radii] = &piece.values;
-        let mut placed = Placed::default();
-        for (index, slot) in slots.iter_mut().enumerate() {
-            let (x, y, z, radius) = (xs[index], ys[index], zs[index], radii[index]);
-            if !usable([x, y, z]) {
-                placed.not_finite += 1;
-                continue;
-            }
-            let centre = DVec3::new(x, y, z);
-            placed.bounds = placed.bounds.with_point(centre);
-            let local = (centre - origin).as_vec3();
-            let radius = if radius > 0.0 && radius <= MAX_COORDINATE {
-                radius as f32
-            } else {
-                0.0
-            };
-            placed.without_radius += usize::from(radius <= 0.0);
-            *slot = [local.x, local.y, local.z, radius];
-        }
-        placed
-    };
-    fill_blocks(rows.len(), 1, job, convert, Placed::merge)
-}
-
-/// New index of each row: rows that cannot be placed get `u32::MAX`, the others count on.
-fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u32> {
-    let fields = [Some(roles.x), Some(roles.y), roles.z];
-    let rows = RowSelection::All(row_count);
-    let mut next = 0;
-    let mut indices = Vec::with_capacity(row_count);
-    for start in (0..row_count).step_by(PIECE_SURFELS) {
-        let range = start..row_count.min(start + PIECE_SURFELS);
-        let piece = Piece::read(&fields, &rows, &range);
-        let [xs, ys, zs] = &piece.values;
-        indices.extend((0..range.len()).map(|index| {
-            if !usable([xs[index], ys[index], zs[index]]) {
-                return u32::MAX;
-            }
-            next += 1;
-            next - 1
-        }));
-    }
-    indices
 }
 
 /// Axes, with the normals and radii that follow from them. Columns with any useless axes are left out.
@@ -453,33 +324,4 @@ fn add_named(
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_far_boxes_get_an_origin() {
-        let near = Bounds::new(DVec3::splat(-1.0), DVec3::splat(10.0));
-        assert_eq!(origin_for(&near), DVec3::ZERO);
-        assert_eq!(origin_for(&Bounds::EMPTY), DVec3::ZERO);
-        let far = Bounds::new(
-            DVec3::new(500_000.1, 0.0, 0.0),
-            DVec3::new(500_100.1, 80.0, 30.0),
-        );
-        assert_eq!(origin_for(&far), DVec3::new(500_032.0, 64.0, 0.0));
-        let point = Bounds::new(DVec3::splat(7.5), DVec3::splat(7.5));
-        assert_eq!(origin_for(&point), DVec3::splat(7.5));
-    }
-
-    #[test]
-    fn an_origin_is_subtracted_exactly_from_f32() {
-        let bounds = Bounds::new(DVec3::splat(4_900_000.0), DVec3::splat(4_900_123.25));
-        let origin = origin_for(&bounds);
-        for value in [4_900_000.0_f32, 4_900_123.0, 4_900_077.5] {
-            let local = (f64::from(value) - origin.x) as f32;
-            assert_eq!(f64::from(local) + origin.x, f64::from(value));
-        }
-    }
 }

@@ -16,6 +16,7 @@ mod error;
 mod faces;
 mod header;
 mod number;
+mod place;
 mod plan;
 mod polygon;
 mod roles;

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::geometry::ScalarType;
+use crate::load::fill::PIECE_SURFELS;
 
 /// Rows of scalars.
 #[derive(Clone, Debug)]
@@ -181,6 +182,28 @@ impl Field<'_> {
         if self.order != ByteOrder::NATIVE {
             out.reverse();
         }
+    }
+}
+
+/// Values of `N` fields for some surfels, as f64.
+pub(super) struct Piece<const N: usize> {
+    pub(super) values: [[f64; PIECE_SURFELS]; N],
+}
+
+impl<const N: usize> Piece<N> {
+    /// Those of the selected rows `range`, at most [`PIECE_SURFELS`].
+    pub(super) fn read(
+        fields: &[Option<Field<'_>>; N],
+        rows: &RowSelection,
+        range: &Range<usize>,
+    ) -> Self {
+        let mut values = [[0.0; PIECE_SURFELS]; N];
+        for (field, values) in fields.iter().zip(&mut values) {
+            if let Some(field) = field {
+                field.read(rows, range.clone(), &mut values[..range.len()]);
+            }
+        }
+        Self { values }
     }
 }
 
