@@ -3,16 +3,17 @@
 //! ```text
 //! cargo bench -p pointstage-scene --bench load_ply                      the brain of the shared test data folder
 //! cargo bench -p pointstage-scene --bench load_ply -- FILE.ply …        other files
-//! POINTSTAGE_PEERS_PYTHON=venv/bin/python cargo bench …                 beside trimesh, Open3D and VTK
+//! POINTSTAGE_PEERS_PYTHON=venv/bin/python cargo bench …                 beside other readers
 //! ```
 //!
-//! Peers come from PyPI, in an environment outside the repository: `python3 -m venv venv` and
-//! `venv/bin/pip install numpy trimesh open3d vtk`. `peers.py` beside this file runs them.
+//! The others are trimesh, Open3D, VTK and MeshLab from PyPI, in an environment outside the repository (`python3 -m venv
+//! venv` and `venv/bin/pip install numpy trimesh open3d vtk pymeshlab`), and CloudCompare where its program is installed.
+//! `peers.py` beside this file runs them.
 //!
 //! For each file and for the same file as text (written to a temporary folder, six decimals): the median of [`RUNS`] loads
 //! of positions and triangles alone ('bare') and with normals and radii ('full'), after one load that warms the file
-//! cache; the same for each peer, bare; and the ratio of the fastest peer to us. Rounds alternate between us and the peers, so that a
-//! busy moment meets both. The peak of memory is that of a process of its own, less what it held before the load; mapped
+//! cache; the same for each peer, bare; and the ratio of the fastest peer to us. Rounds alternate between us and the
+//! peers, so that a busy moment meets both. The peak of memory is that of a process of its own, less what it held before the load; mapped
 //! pages of the file are in it. The calibration line is a fixed run of arithmetic and of memory traffic, so that figures
 //! from different days can be told apart from different machines.
 
