@@ -174,6 +174,40 @@ fn map_coordinates_keep_a_tenth_of_a_millimetre() {
 }
 
 #[test]
+fn normals_and_radii_are_the_same_in_map_coordinates_as_near_the_origin() {
+    let far = DVec3::new(500_000.0, 4_900_000.0, 312.0);
+    let point = |index: u32| {
+        let (u, v) = (f64::from(index % 40) * 0.05, f64::from(index / 40) * 0.05);
+        DVec3::new(u, v, 0.3 * u.sin() + 0.01 * v)
+    };
+    let cloud = |origin: DVec3| {
+        let line = |index| {
+            let p = origin + point(index);
+            format!("{:.4} {:.4} {:.4}\n", p.x, p.y, p.z)
+        };
+        let body: String = (0..1600).map(line).collect();
+        let header = "element vertex 1600\nproperty double x\nproperty double y\nproperty double z";
+        let file = format!("ply\nformat ascii 1.0\n{header}\nend_header\n{body}");
+        load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded")
+    };
+    let (near, far) = (cloud(DVec3::ZERO), cloud(far));
+    assert_ne!(far.object.origin, DVec3::ZERO);
+    let [near, far] = [&near, &far].map(|loaded| &loaded.object.geometry.blocks[0]);
+    for surfel in 0..1600 {
+        let radii = [near, far].map(|block| block.position_radius[surfel][3]);
+        assert!(
+            (radii[0] / radii[1] - 1.0).abs() < 1e-4,
+            "surfel {surfel}: {radii:?}"
+        );
+        let normals = [near, far].map(|block| block.normal_at(surfel).expect("normals"));
+        assert!(
+            normals[0].dot(normals[1]).abs() > 0.999_99,
+            "surfel {surfel}: {normals:?}"
+        );
+    }
+}
+
+#[test]
 fn colours_of_every_type_become_bytes() {
     for (scalar, values, expected) in [
         ("uchar", "255 128 0", [255, 128, 0, 255]),
