@@ -4,7 +4,9 @@
 //! session in which that renderer goes on drawing.
 
 use anyhow::{Context as _, Result, ensure};
-use pointstage_engine::plugins::{CallState, DiscoverOptions, HostInstance, Registry};
+use pointstage_engine::plugins::{
+    CallState, ChildProgram, DiscoverOptions, Examination, HostInstance, Registry,
+};
 use pointstage_engine::stage::{
     FALLBACK_ID, FrameRequest, FrameResult, Notice, Patience, SettingValue, Stage, StageOptions,
 };
@@ -293,6 +295,64 @@ fn a_plugin_of_a_newer_border_draws() -> Result<()> {
         [0, 255, 0, 255],
         "it paints all green"
     );
+    Ok(())
+}
+
+#[test]
+fn a_structure_that_panics_is_done_without() -> Result<()> {
+    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut request = request("good");
+    request.structure = Some(id("panic-select"));
+    let (first, notices) = settled(&mut stage, &request)?;
+    assert_eq!(first.drawn_by, id("good"), "{notices:?}");
+    assert_eq!(first.stats.surfels_selected, 1, "the whole scene is drawn");
+    let told = |notices: &[Notice]| {
+        let of_structure = notices.iter().filter(|n| n.plugin == id("panic-select"));
+        of_structure.map(|n| n.text.clone()).collect::<Vec<_>>()
+    };
+    let texts = told(&notices);
+    assert!(
+        texts.len() == 1 && texts[0].contains("asked to panic in select"),
+        "{notices:?}"
+    );
+    let (next, notices) = settled(&mut stage, &request)?;
+    assert_eq!(next.drawn_by, id("good"));
+    assert_eq!(told(&notices), [""; 0], "it is told once");
+    request.patience = Patience::Wait;
+    let error = stage.frame(&request).err().context("it was waited for")?;
+    assert!(error.to_string().contains("panic-select"), "{error}");
+    Ok(())
+}
+
+/// A crash is no error value: it has to happen in a process of its own.
+#[test]
+fn what_crashes_at_first_use_crashes_in_a_child() -> Result<()> {
+    let child = ChildProgram::new(env!("CARGO_BIN_EXE_examiner").into());
+    let plugins = DiscoverOptions {
+        files: vec![plugins::misbehaving()?],
+        examination: Examination::Child(child),
+        ..DiscoverOptions::default()
+    };
+    let mut stage = Stage::new(StageOptions {
+        use_device: false,
+        plugins,
+        ..StageOptions::default()
+    })?;
+    let (result, notices) = settled(&mut stage, &request("abort-render"))?;
+    assert_eq!(result.drawn_by, FALLBACK_ID);
+    let crashed = |notices: &[Notice], fault: &str| {
+        let name = id(fault);
+        notices
+            .iter()
+            .any(|notice| notice.text.contains(&name) && notice.text.contains("crashed"))
+    };
+    assert!(crashed(&notices, "abort-render"), "{notices:?}");
+
+    let mut with_structure = request("good");
+    with_structure.structure = Some(id("abort-prepare"));
+    let (result, notices) = settled(&mut stage, &with_structure)?;
+    assert_eq!(result.drawn_by, id("good"), "{notices:?}");
+    assert!(crashed(&notices, "abort-prepare"), "{notices:?}");
     Ok(())
 }
 

@@ -111,7 +111,7 @@ fn try_out(request: &OsString) -> Verdict {
         Ok(backend) => backend,
         Err(error) => return not_examined(error.to_string()),
     };
-    let (files, renderer) = request.plugin.map(|(file, id)| (vec![file], id)).unzip();
+    let (files, plugin) = request.plugin.map(|(file, id)| (vec![file], id)).unzip();
     let options = StageOptions {
         device: DeviceOptions {
             backend,
@@ -124,7 +124,7 @@ fn try_out(request: &OsString) -> Verdict {
         },
         ..StageOptions::default()
     };
-    match stage::try_out(options, renderer.as_deref()) {
+    match stage::try_out(options, plugin.as_deref()) {
         Ok(_) => Verdict::ok(),
         Err(error) => not_examined(error.to_string()),
     }

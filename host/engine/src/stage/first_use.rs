@@ -7,11 +7,8 @@ use crate::plugins::{LoadPluginError, PluginInfo, TrialRequest, Verdict};
 use pointstage_plugin_api::manifest::DeviceKind;
 
 impl Stage {
-    /// Tries a renderer in a child process before its first use on this device. A structure draws nothing by itself.
+    /// Tries a plugin in a child process before its first use on this device.
     pub(super) fn try_first(&self, info: &PluginInfo) -> Result<(), FrameError> {
-        if info.entry.kind != "renderer" {
-            return Ok(());
-        }
         let DeviceOptions { backend, adapter } = self.options.device.clone();
         let on_device = self
             .adapter()

@@ -12,12 +12,14 @@
 //! Whatever a plugin does wrong ends as a [`Notice`], and the next candidate draws. When the device is lost, the next
 //! frame opens a new one and prepares again. [`StageThread`] does all this on a thread of its own, for windows.
 
+mod choose;
 mod draw;
 mod first_use;
 mod ids;
 mod options;
 mod prepare;
 mod records;
+mod recover;
 mod request;
 mod selection;
 mod session;

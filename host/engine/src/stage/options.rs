@@ -102,6 +102,11 @@ pub enum FrameError {
 }
 
 impl FrameError {
+    /// Whether it is this plugin's.
+    pub(super) fn is_of(&self, id: &str) -> bool {
+        matches!(self, Self::Plugin { plugin, .. } if plugin == id)
+    }
+
     /// The long form; may be empty.
     pub fn detail(&self) -> &str {
         match self {

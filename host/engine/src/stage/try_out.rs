@@ -15,18 +15,28 @@ pub enum TryOut {
     Failed(String),
 }
 
-/// Draws one small frame of a made-up scene. `None` is the control run: the device and the host alone.
+/// Draws one small frame of a made-up scene with a renderer, or with the selection of a structure. `None` is the control
+/// run: the device and the host alone.
 ///
 /// # Errors
 /// The stage cannot be opened: no fault of the plugin's.
-pub fn try_out(options: StageOptions, renderer: Option<&str>) -> Result<TryOut, StageError> {
+pub fn try_out(options: StageOptions, plugin: Option<&str>) -> Result<TryOut, StageError> {
     let mut stage = Stage::new(options)?;
     let camera = Camera {
         eye: DVec3::new(0.0, 0.0, 4.0),
         ..Camera::default()
     };
+    let is_structure = plugin.is_some_and(|id| stage.registry().find_structure(id).is_ok());
+    let (structure, renderer) = if is_structure {
+        (plugin, None)
+    } else {
+        (None, plugin)
+    };
     let renderer = renderer.unwrap_or(super::FALLBACK_ID);
-    let request = FrameRequest::still(Arc::new(sample_scene()), camera, [64, 64], renderer);
+    let request = FrameRequest {
+        structure: structure.map(str::to_owned),
+        ..FrameRequest::still(Arc::new(sample_scene()), camera, [64, 64], renderer)
+    };
     Ok(match stage.frame(&request) {
         Ok(_) => TryOut::Drew,
         Err(error) => TryOut::Failed(error.to_string()),

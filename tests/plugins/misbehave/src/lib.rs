@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod gpu;
+mod structure;
 
 use pointstage_plugin_api::prelude::*;
 use std::time::Duration;
@@ -25,6 +26,8 @@ pub const ENDLESS_PREPARE: usize = 10;
 pub const SLOW_PREPARE: usize = 11;
 /// Writes NaN and infinity wherever it can.
 pub const NAN_TARGETS: usize = 12;
+/// Ends the process while it draws.
+pub const ABORT_RENDER: usize = 13;
 
 /// The renderer with fault `FAULT`.
 pub struct Faulty<const FAULT: usize>;
@@ -75,6 +78,7 @@ impl<const FAULT: usize> View<Faulty<FAULT>> for FaultyView<FAULT> {
         match FAULT {
             PANIC_RENDER => panic!("asked to panic in render"),
             ERROR_RENDER => return Err("asked to fail in render".into()),
+            ABORT_RENDER => std::process::abort(),
             _ => {}
         }
         let bad = FAULT == NAN_TARGETS;
@@ -106,6 +110,7 @@ pointstage_plugin_api::export! { "plugin.json", renderers: [
     Faulty<GOOD>, Faulty<PANIC_PREPARE>, Faulty<PANIC_PREPARE_NEXT>, Faulty<PANIC_VIEW>, Faulty<PANIC_RENDER>,
     Faulty<PANIC_DROP_PREPARED>, Faulty<PANIC_DROP_VIEW>, Faulty<ERROR_PREPARE>, Faulty<ERROR_VIEW>,
     Faulty<ERROR_RENDER>, Faulty<ENDLESS_PREPARE>, Faulty<SLOW_PREPARE>, Faulty<NAN_TARGETS>,
+    Faulty<ABORT_RENDER>,
     gpu::BadWgsl, gpu::Recorded<{ gpu::DRAW_OUTSIDE_PASS }>, gpu::Recorded<{ gpu::NO_PIPELINE }>,
     gpu::Recorded<{ gpu::STALE_HANDLE }>, gpu::Recorded<{ gpu::UNENDED_PASS }>, gpu::Greedy, gpu::Huge,
-] }
+], structures: [structure::Aborting, structure::Panicking] }

@@ -3,7 +3,7 @@
 use super::call::{FrameParts, render};
 use super::plan::Planned;
 use super::targets::{composition, read_back_keys};
-use super::{Drawn, plugin_error, result_of};
+use super::{Drawn, as_plugins, plugin_error, result_of};
 use crate::device::GpuError;
 use crate::frame::compose::ComposedFrame;
 use crate::frame::{Fit, GpuTarget, TargetSet, targets::TargetSpec};
@@ -196,13 +196,4 @@ fn clear(gpu: &OnDevice, targets: &TargetSet) -> Result<(), GpuError> {
         targets.clear(&gpu.device, &mut encoder);
         gpu.device.queue.submit([encoder.finish()]);
     })
-}
-
-/// An error in a plugin's commands is the plugin's; a lost device is not.
-fn as_plugins(info: &Arc<PluginInfo>, error: GpuError) -> FrameError {
-    if matches!(error, GpuError::DeviceLost(_)) {
-        return FrameError::Device(error);
-    }
-    let source = PluginError::new(error.code(), error.to_string()).with_detail(error.detail());
-    plugin_error(info, source)
 }

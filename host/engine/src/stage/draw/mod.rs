@@ -8,8 +8,9 @@ mod targets;
 
 use super::options::FrameError;
 use super::request::{FrameRequest, FrameResult, FrameStats};
-use super::session::{Drawer, FALLBACK_ID, Stage};
+use super::session::{Drawer, FALLBACK_ID, Selecting, Stage};
 use super::uniforms::{FrameNumbers, frame_uniform};
+use crate::device::GpuError;
 use crate::frame::{Picture, Plane};
 use crate::plugins::PluginInfo;
 use glam::DMat4;
@@ -20,11 +21,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl Stage {
-    /// Draws with the one chosen.
+    /// Draws with the ones chosen.
     pub(super) fn draw(
         &mut self,
         request: &FrameRequest,
         drawer: &Drawer,
+        structure: Option<&Selecting>,
     ) -> Result<FrameResult, FrameError> {
         // While another scene is being prepared for, the prepared one goes on being drawn.
         let request = &match drawer {
@@ -36,7 +38,8 @@ impl Stage {
             }
             _ => request.clone(),
         };
-        let structure = self.structure(request)?;
+        // Its ranges and numbers are of one scene.
+        let structure = structure.filter(|(_, ready)| ready.key.scene == request.scene.revision());
         let (info, entry_id) = match drawer {
             Drawer::Plugin(info, _) => (Some(info), info.id.as_str()),
             Drawer::Fallback => (None, FALLBACK_ID),
@@ -44,7 +47,7 @@ impl Stage {
         let specs = self.target_specs(request, info)?;
         let numbers = self.numbers(request, entry_id);
         let uniform = frame_uniform(request, numbers);
-        let planned = self.plan(request, uniform, &structure)?;
+        let planned = self.plan(request, uniform, structure)?;
         let mut result = match drawer {
             Drawer::Plugin(info, ready) if info.entry.needs.device == DeviceKind::Gpu => {
                 self.draw_on_device(&planned, &specs, info, ready)?
@@ -131,4 +134,13 @@ fn plugin_error(info: &Arc<PluginInfo>, source: PluginError) -> FrameError {
         plugin: info.id.clone(),
         source,
     }
+}
+
+/// An error in a plugin's commands is the plugin's; a lost device is not.
+fn as_plugins(info: &Arc<PluginInfo>, error: GpuError) -> FrameError {
+    if matches!(error, GpuError::DeviceLost(_)) {
+        return FrameError::Device(error);
+    }
+    let source = PluginError::new(error.code(), error.to_string()).with_detail(error.detail());
+    plugin_error(info, source)
 }

@@ -1,15 +1,15 @@
 //! What a frame draws: the structure's selection, or all of the scene.
 
-use super::{plugin_error, world_from_view};
+use super::{as_plugins, plugin_error, world_from_view};
 use crate::gpu::{Owner, Timings};
 use crate::plugins::{CallState, PluginInfo};
 use crate::stage::ids::IdTable;
 use crate::stage::options::FrameError;
-use crate::stage::prepare::{Ready, Standing, setting_records};
+use crate::stage::prepare::{Ready, setting_records};
 use crate::stage::records::with_scene_record;
-use crate::stage::request::{FrameRequest, Severity};
+use crate::stage::request::FrameRequest;
 use crate::stage::selection::{self, OwnBlock, PlannedDraw};
-use crate::stage::session::{Prepared, Stage};
+use crate::stage::session::{Selecting, Stage};
 use crate::stage::uniforms::object_uniform;
 use crate::stage::viewport::SelectorSlot;
 use abi_stable::std_types::RSlice;
@@ -31,16 +31,13 @@ pub(super) struct Planned<'a> {
     pub selection_statistics: Vec<StatisticRecord>,
 }
 
-/// How the structure stands that a frame asks for, if it asks for one.
-pub(super) type Structure = Option<Prepared<StructureBox>>;
-
 impl Stage {
     /// The selection: by the structure if it is ready, else all of the scene.
     pub(super) fn plan<'a>(
         &mut self,
         request: &'a FrameRequest,
         uniform: FrameUniform,
-        structure: &'a Structure,
+        structure: Option<&'a Selecting>,
     ) -> Result<Planned<'a>, FrameError> {
         let objects: Vec<DrawUniform> = request
             .scene
@@ -56,20 +53,12 @@ impl Stage {
             structure: None,
             selection_statistics: Vec::new(),
         };
-        if let Some((info, Standing::Ready(ready))) = structure {
+        if let Some((info, ready)) = structure {
             let own_blocks = ready
                 .own_blocks()
                 .map_err(|source| plugin_error(info, source))?;
             self.plan_selection(&mut planned, &objects, info, ready, own_blocks)?;
             return Ok(planned);
-        }
-        if let Some((info, Standing::Failed(source))) = structure {
-            self.tell(
-                Severity::Error,
-                &info.id,
-                source.to_string(),
-                source.detail.clone(),
-            );
         }
         planned.draws = selection::whole_scene(&request.scene, &objects, &mut planned.ids);
         Ok(planned)
@@ -168,7 +157,8 @@ impl Stage {
             && !selected.commands.commands.is_empty()
         {
             gpu.service
-                .replay(owner, &selected.commands, Timings::Off)?;
+                .replay(owner, &selected.commands, Timings::Off)
+                .map_err(|error| as_plugins(info, error))?;
         }
         Ok(selected)
     }
