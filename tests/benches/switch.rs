@@ -21,8 +21,8 @@ const SESSIONS: usize = 5;
 const STEADY: usize = 3;
 
 fn main() -> Result<()> {
-    let numbers = std::env::args().filter_map(|argument| argument.parse::<u32>().ok());
-    let count = numbers.last().unwrap_or(5_000_000);
+    let number = std::env::args().find_map(|argument| argument.parse().ok());
+    let count = number.unwrap_or(5_000_000);
     let folder = tempfile::tempdir()?;
     let scene = stages::scene(folder.path(), "sphere", &scenes::sphere(count, 1.0))?;
     println!(
