@@ -12,6 +12,7 @@ mod render;
 mod stdout;
 mod values;
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
@@ -81,17 +82,23 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
 /// `RUST_LOG` overrides the choice.
 pub(crate) fn start_log(verbose: u8) {
     use tracing_subscriber::EnvFilter;
-    let level = match verbose {
-        0 => "pointstage=warn,pointstage_engine=warn,pointstage_scene=warn,error",
-        1 => "pointstage=info,pointstage_engine=info,pointstage_scene=info,error",
-        _ => "pointstage=debug,pointstage_engine=debug,pointstage_scene=debug,warn",
+    let (ours, others) = match verbose {
+        0 => ("warn", "error"),
+        1 => ("info", "error"),
+        _ => ("debug", "warn"),
     };
-    // Looking for adapters asks OpenGL too; that it has none here is no error where Vulkan has one.
-    let level = format!("{level},wgpu_hal::gles=off");
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
+    // Looking for adapters asks every interface; that one has none is no error, and if none has any we say so ourselves, as
+    // we say why no window opens.
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| {
+        EnvFilter::new(format!(
+            "{others},pointstage={ours},pointstage_engine={ours},pointstage_scene={ours},wgpu_hal::gles=off,wgpu_hal::vulkan::instance=off,eframe=off"
+        ))
+    });
+    let is_coloured = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        .with_ansi(is_coloured)
         .with_target(false)
         .init();
 }

@@ -17,6 +17,19 @@ pub(crate) struct WriteError {
 /// The bytes go to a neighbour with a name of this process and take the file's place by renaming, so a reader sees the old
 /// file or the new one, and an interrupted write leaves neither half a file nor a damaged one.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_by(path, bytes, File::sync_all)
+}
+
+/// The same for a file that is written many times a second and worth nothing after a crash: it is not forced to the disk.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_by(path, bytes, |_| Ok(()))
+}
+
+fn write_by(
+    path: &Path,
+    bytes: &[u8],
+    sync: impl FnOnce(&File) -> std::io::Result<()>,
+) -> Result<(), WriteError> {
     let at = |source| WriteError {
         path: path.to_path_buf(),
         source,
@@ -28,7 +41,11 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     temporary_name.push(name);
     temporary_name.push(format!(".{}.part", std::process::id()));
     let temporary = path.with_file_name(temporary_name);
-    let written = write_and_flush(&temporary, bytes)
+    let written = File::create(&temporary)
+        .and_then(|mut file| {
+            file.write_all(bytes)?;
+            sync(&file)
+        })
         .and_then(|()| std::fs::rename(&temporary, path))
         .map_err(at);
     if written.is_err() {
@@ -36,12 +53,6 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         let _ = std::fs::remove_file(&temporary);
     }
     written
-}
-
-fn write_and_flush(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
 }
 
 #[cfg(test)]

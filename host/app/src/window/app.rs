@@ -4,27 +4,24 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{CentralPanel, Context, Frame, Panel, Ui};
-use pointstage_engine::stage::{FrameResult, Severity, Show};
+use egui::{Context, Ui, ViewportCommand};
+use pointstage_engine::stage::{FrameResult, Severity};
 use pointstage_plugin_api::abi::Interaction;
-use pointstage_scene::{ObjectId, Provenance, Revision};
+use pointstage_scene::{Revision, Scene};
 
 use super::asking::Asking;
 use super::dialogs::{FileDialog, PathField};
 use super::intent::{Intent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
-use super::log::{Log, log_ui};
-use super::menu::{Menu, menu_ui};
+use super::log::Log;
 use super::navigation::CameraMove;
 use super::picture::PictureTexture;
 use super::rows::Rows;
 use super::session::Session;
-use super::settings::{self, lighting, plugins, renderer, scene, view};
-use super::stage_link::{StageLink, legend_of};
-use super::status::{Status, status_ui};
+use super::shortcuts;
+use super::stage_link::{DrawnWith, StageLink};
 use super::tasks::Tasks;
-use super::viewport::{Viewport, ViewportAnswer, viewport_ui};
-use super::{help, legend, progress, shortcuts, toasts, welcome};
+use super::viewport::ViewportAnswer;
 
 /// How often progress is shown while a task runs or a renderer is prepared.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
@@ -44,11 +41,14 @@ pub(crate) struct App {
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
     pub(super) next_batch: u64,
-    viewport: Option<ViewportAnswer>,
-    picture: PictureTexture,
-    shown: Option<Arc<FrameResult>>,
-    samples: Vec<PathBuf>,
-    rows_of: Option<Revision>,
+    pub(super) viewport: Option<ViewportAnswer>,
+    pub(super) picture: PictureTexture,
+    /// The picture on the screen.
+    pub(super) shown: Option<Arc<FrameResult>>,
+    pub(super) samples: Vec<PathBuf>,
+    /// The scene and the device that `rows` were asked for.
+    rows_of: Option<(Revision, DrawnWith)>,
+    title: String,
     /// When a picture last came or was asked for.
     last_turn: Instant,
 }
@@ -114,6 +114,7 @@ impl App {
             shown: None,
             samples,
             rows_of: None,
+            title: String::new(),
             last_turn: Instant::now(),
         };
         app.open(files, OpenMode::Replace);
@@ -123,19 +124,25 @@ impl App {
     /// One pass: what workers finished, the interface, what the user asked for, the next picture.
     pub(crate) fn pass(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        // Asked before the answers are taken: one that comes in between is taken by the next pass.
+        let was_stage_idle = self.stage.is_idle();
         self.take_finished_tasks();
         self.refresh_rows();
         let refine = self.take_new_picture(&ctx);
         let mut intents = Intents::new();
         shortcuts::read(&ctx, &mut intents);
-        self.take_dropped_files(&ctx, &mut intents);
+        take_dropped_files(&ctx, &mut intents);
+        self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
         self.show(ui, &mut intents);
         let is_idle = intents.is_empty();
         for intent in intents {
             self.apply(&ctx, intent);
         }
-        self.ask_for_picture(&ctx, refine);
+        let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
+        self.set_title(&ctx);
+        let is_settled = was_stage_idle && is_idle && !asked && self.is_at_rest();
+        self.report_state(&ctx, is_settled);
     }
 
     fn take_finished_tasks(&mut self) {
@@ -164,12 +171,14 @@ impl App {
         }
     }
 
-    /// Renderers and plugins are listed anew when the stage opens and when the scene changes.
+    /// Renderers and plugins are listed anew when the stage opens, and when the scene or the device changes.
     fn refresh_rows(&mut self) {
-        let revision = self.session.scene.revision();
-        if self.rows_of != Some(revision) && self.stage.is_ready() {
-            self.rows_of = Some(revision);
-            self.stage.ask_for_rows(self.session.scene.clone());
+        if self.stage.is_ready() {
+            let now = (self.session.scene.revision(), self.stage.drawn_with());
+            if self.rows_of.as_ref() != Some(&now) {
+                self.rows_of = Some(now);
+                self.stage.ask_for_rows(self.session.scene.clone());
+            }
         }
         let Some(rows) = self.stage.take_rows() else {
             return;
@@ -217,155 +226,15 @@ impl App {
             .is_some_and(|shown| shown.preparing.is_some())
     }
 
-    fn take_dropped_files(&self, ctx: &Context, out: &mut Intents) {
-        let (files, adds): (Vec<PathBuf>, bool) = ctx.input(|input| {
-            let files = input.raw.dropped_files.iter();
-            let paths = files.map(|file| file.path().to_path_buf()).collect();
-            (paths, input.modifiers.shift)
-        });
-        if !files.is_empty() {
-            let mode = if adds {
-                OpenMode::Add
-            } else {
-                OpenMode::Replace
-            };
-            out.push(Intent::Open(files, mode));
-        }
-        if let Some(dialog) = &self.dialog {
-            dialog.poll(out);
-        }
-    }
-
-    fn show(&mut self, ui: &mut Ui, out: &mut Intents) {
-        Panel::top("menu").show(ui, |ui| menu_ui(ui, &self.menu(), out));
-        let adapter = self.stage.adapter();
-        Panel::bottom("status").show(ui, |ui| status_ui(ui, &self.status(&adapter), out));
-        if self.panels.log {
-            Panel::bottom("log")
-                .resizable(true)
-                .default_size(180.0)
-                .show(ui, |ui| log_ui(ui, &self.log, out));
-        }
-        if self.panels.settings {
-            Panel::right("settings")
-                .resizable(true)
-                .default_size(360.0)
-                .min_size(240.0)
-                .show(ui, |ui| self.settings_ui(ui, out));
-        }
-        let viewport = Viewport {
-            picture: self.picture.id(),
-            is_transparent: self.picture.is_transparent(),
-        };
-        let answer = CentralPanel::default()
-            .frame(Frame::NONE)
-            .show(ui, |ui| viewport_ui(ui, &viewport, out))
-            .inner;
-        self.viewport = Some(answer);
-        self.show_over(ui.ctx(), answer.rect, out);
-    }
-
-    /// What lies over the picture: legend, welcome, toasts, dialogs.
-    fn show_over(&mut self, ctx: &Context, over: egui::Rect, out: &mut Intents) {
-        let is_empty = self.session.scene.objects().is_empty();
-        if is_empty && self.tasks.open().is_empty() {
-            welcome::welcome_ui(ctx, over, &self.samples, out);
-        }
-        if self.session.view.show != Show::Colours
-            && !is_empty
-            && let Some(range) = self.shown.as_ref().map(|shown| shown.shown_range)
-            && let Some(legend) = legend_of(&self.session.view.show, range)
-        {
-            legend::legend_ui(ctx, over, &legend);
-        }
-        progress::progress_ui(ctx, over, self.tasks.open(), out);
-        toasts::toasts_ui(ctx, over, &self.log, out);
-        welcome::drop_ui(ctx, over);
-        if self.panels.keys {
-            help::keys_ui(ctx, out);
-        }
-        if self.panels.about {
-            help::about_ui(ctx, &self.stage.facts(), out);
-        }
-        if let Some(field) = &mut self.path_field
-            && !field.ui(ctx, out)
-        {
-            self.path_field = None;
-        }
-    }
-
-    fn menu(&self) -> Menu<'_> {
-        Menu {
-            renderers: &self.rows.renderers,
-            chosen: &self.session.renderer,
-            view: &self.session.view,
-            camera: &self.session.camera,
-            targets: self.targets(),
-            is_settings_open: self.panels.settings,
-            is_log_open: self.panels.log,
-        }
-    }
-
-    fn status<'a>(&'a self, adapter: &'a str) -> Status<'a> {
-        let shown = self.shown.as_deref();
-        let drawn_by = shown.map(|shown| {
-            let row = self.rows.renderer(&shown.drawn_by);
-            row.map_or(shown.drawn_by.as_str(), |row| row.title.as_str())
-        });
-        Status {
-            stats: shown.map(|shown| &shown.stats),
-            drawn_by,
-            preparing: shown.and_then(|shown| shown.preparing.as_ref()),
-            refining: shown
-                .map(|shown| shown.progress)
-                .filter(|&progress| progress < 1.0),
-            adapter,
-            log: &self.log,
-        }
-    }
-
-    fn settings_ui(&self, ui: &mut Ui, out: &mut Intents) {
-        let session = &self.session;
-        settings::tabs_ui(ui, self.panels.tab, out);
-        match self.panels.tab {
-            Tab::Renderer => {
-                let tab = renderer::RendererTab {
-                    renderers: &self.rows.renderers,
-                    structures: &self.rows.structures,
-                    chosen: &session.renderer,
-                    chosen_structure: session.structure.as_deref(),
-                    drawn_by: self.shown.as_ref().map(|shown| shown.drawn_by.as_str()),
-                    values: &session.chosen_settings(),
-                };
-                renderer::renderer_ui(ui, &tab, out);
-            }
-            Tab::Lighting => lighting::lighting_ui(ui, &session.lights, out),
-            Tab::View => {
-                let tab = view::ViewTab {
-                    view: &session.view,
-                    camera: &session.camera,
-                    targets: self.targets(),
-                };
-                view::view_ui(ui, &tab, out);
-            }
-            Tab::Scene => scene::scene_ui(ui, &session.scene, &session.warnings, out),
-            Tab::Plugins => plugins::plugins_ui(ui, &self.rows.plugins, out),
-        }
-    }
-
-    fn targets(&self) -> &[String] {
-        let shown = self.shown.as_ref();
-        shown.map_or(&[], |shown| shown.available_targets.as_slice())
-    }
-
-    fn ask_for_picture(&mut self, ctx: &Context, refine: bool) {
+    /// Asks for the next picture if one is needed, and says whether it was.
+    fn ask_for_picture(&mut self, ctx: &Context, refine: bool) -> bool {
         let Some(ViewportAnswer {
             size_px,
             interaction,
             ..
         }) = self.viewport
         else {
-            return;
+            return false;
         };
         if interaction == Interaction::MOVING {
             // The pass after the last move asks for the still picture.
@@ -376,14 +245,16 @@ impl App {
         let drawing = chosen
             .filter(|row| row.obstacle.is_none())
             .or_else(|| self.rows.first_suitable());
-        let Some(drawing) = drawing else { return };
-        let request = self
-            .asking
-            .next(&self.session, &drawing.id, size_px, interaction, refine);
-        if let Some(request) = request {
-            self.last_turn = Instant::now();
-            self.stage.submit(request);
-        }
+        let request = drawing.and_then(|row| {
+            self.asking
+                .next(&self.session, &row.id, size_px, interaction, refine)
+        });
+        let Some(request) = request else {
+            return false;
+        };
+        self.last_turn = Instant::now();
+        self.stage.submit(request);
+        true
     }
 
     /// Asks for the next pass only where something will have changed by then.
@@ -400,6 +271,24 @@ impl App {
         }
     }
 
+    /// Whether the picture on the screen is the final one of its look, and nothing is being loaded or moved.
+    fn is_at_rest(&self) -> bool {
+        let is_final = |shown: &FrameResult| shown.preparing.is_none() && shown.progress >= 1.0;
+        let is_still = |viewport: ViewportAnswer| viewport.interaction == Interaction::STILL;
+        self.shown.as_deref().is_some_and(is_final)
+            && self.viewport.is_some_and(is_still)
+            && self.tasks.open().is_empty()
+    }
+
+    /// Names the scene in the window's title, as the system's list of windows shows it.
+    fn set_title(&mut self, ctx: &Context) {
+        let title = title_of(&self.session.scene);
+        if self.title != title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
     /// Moves the camera in the scene and viewport that are shown.
     pub(super) fn move_camera(&mut self, camera_move: CameraMove) {
         let bounds = self.session.scene.bounds_world();
@@ -408,17 +297,31 @@ impl App {
         });
         camera_move.apply(&mut self.session.camera, &bounds, aspect);
     }
+}
 
-    /// Objects that lack normals or radii, with the files to read them from again.
-    pub(super) fn without_estimates(&self) -> Vec<(ObjectId, PathBuf)> {
-        let objects = self.session.scene.objects().iter();
-        objects
-            .filter(|object| {
-                let origins = &object.geometry.origins;
-                origins.normals == Provenance::Missing || origins.radii == Provenance::Missing
-            })
-            .filter_map(|object| Some((object.id, object.source.clone()?)))
-            .collect()
+/// Files dropped since the last pass are opened, with Shift added.
+fn take_dropped_files(ctx: &Context, out: &mut Intents) {
+    let (files, adds): (Vec<PathBuf>, bool) = ctx.input(|input| {
+        let files = input.raw.dropped_files.iter();
+        let paths = files.map(|file| file.path().to_path_buf()).collect();
+        (paths, input.modifiers.shift)
+    });
+    if !files.is_empty() {
+        let mode = if adds {
+            OpenMode::Add
+        } else {
+            OpenMode::Replace
+        };
+        out.push(Intent::Open(files, mode));
+    }
+}
+
+/// The window's title: what is on the stage, then the program.
+fn title_of(scene: &Scene) -> String {
+    match scene.objects() {
+        [] => "Pointstage".to_owned(),
+        [object] => format!("{} – Pointstage", object.name),
+        [first, others @ ..] => format!("{} and {} more – Pointstage", first.name, others.len()),
     }
 }
 

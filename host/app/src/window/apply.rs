@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use egui::{Context, ViewportCommand};
 use pointstage_engine::stage::{SettingValue, Severity};
-use pointstage_scene::{LoadOptions, ObjectId, WarningKind};
+use pointstage_scene::{LoadOptions, ObjectId, Provenance, WarningKind};
 
 use super::app::App;
 use super::dialogs::{FileDialog, PathField};
@@ -59,6 +59,10 @@ impl App {
             }
             Intent::RetryPlugin(path) => {
                 self.stage.retry_plugin(path, self.session.scene.clone());
+            }
+            Intent::LoseDevice => {
+                self.stage.lose_device();
+                self.asking.invalidate();
             }
             Intent::Toggle(part) => self.toggle(part),
             Intent::Copy(text) => ctx.copy_text(text),
@@ -174,5 +178,17 @@ impl App {
             Part::About => &mut self.panels.about,
         };
         *panel = !*panel;
+    }
+
+    /// Objects that lack normals or radii, with the files to read them from again.
+    fn without_estimates(&self) -> Vec<(ObjectId, PathBuf)> {
+        let objects = self.session.scene.objects().iter();
+        objects
+            .filter(|object| {
+                let origins = &object.geometry.origins;
+                origins.normals == Provenance::Missing || origins.radii == Provenance::Missing
+            })
+            .filter_map(|object| Some((object.id, object.source.clone()?)))
+            .collect()
     }
 }

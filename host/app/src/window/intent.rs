@@ -61,6 +61,8 @@ pub(crate) enum Intent {
 
     /// Try a quarantined plugin again.
     RetryPlugin(PathBuf),
+    /// Destroy the graphics device, to see what comes back.
+    LoseDevice,
     /// Show or hide a panel or a dialog.
     Toggle(Part),
     /// Put a text on the clipboard.

@@ -44,6 +44,16 @@ pub(crate) fn menu_ui(ui: &mut Ui, menu: &Menu<'_>, out: &mut Intents) {
                 out,
             );
             item(ui, "About", None, Intent::Toggle(Part::About), out);
+            ui.separator();
+            ui.menu_button("For plugin authors", |ui| {
+                item(
+                    ui,
+                    "Lose the graphics device",
+                    None,
+                    Intent::LoseDevice,
+                    out,
+                );
+            });
         });
     });
 }

@@ -13,6 +13,7 @@ mod asking;
 mod dialogs;
 mod help;
 mod intent;
+mod layout;
 mod legend;
 mod loading;
 mod log;
@@ -30,6 +31,7 @@ mod status;
 mod tasks;
 mod theme;
 mod toasts;
+mod ui_state;
 mod viewport;
 mod welcome;
 

@@ -1,6 +1,6 @@
 //! Opens the window, or says why none can be opened.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::NativeOptions;
@@ -10,6 +10,7 @@ use egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
 use super::app::{App, Start};
 use super::stage_link::StageLink;
 use super::theme;
+use super::ui_state::UiState;
 use crate::cli::{Failure, Globals, Outcome};
 
 /// Size of a new window, points: fits a small laptop's screen.
@@ -20,7 +21,7 @@ pub(crate) fn open(globals: &Globals, files: Vec<PathBuf>) -> Outcome {
     let state_folder = globals.state_folder();
     let options = NativeOptions {
         viewport: ViewportBuilder::default()
-            .with_title(title(&files))
+            .with_title("Pointstage")
             .with_app_id("pointstage")
             .with_inner_size(FIRST_SIZE)
             .with_min_inner_size([640.0, 400.0])
@@ -35,6 +36,9 @@ pub(crate) fn open(globals: &Globals, files: Vec<PathBuf>) -> Outcome {
     let stage_options = globals.stage_options();
     let create = move |context: &eframe::CreationContext<'_>| {
         theme::apply(&context.egui_ctx);
+        if let Some(ui_state) = UiState::from_environment() {
+            context.egui_ctx.add_plugin(ui_state);
+        }
         let repaint = context.egui_ctx.clone();
         let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(move || repaint.request_repaint());
         let app = App::new(Start {
@@ -47,20 +51,6 @@ pub(crate) fn open(globals: &Globals, files: Vec<PathBuf>) -> Outcome {
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };
     eframe::run_native("Pointstage", options, Box::new(create)).map_err(|error| no_window(&error))
-}
-
-fn title(files: &[PathBuf]) -> String {
-    match files {
-        [file] => format!("{} – Pointstage", name_of(file)),
-        _ => "Pointstage".to_owned(),
-    }
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned()
 }
 
 /// The toolkit's own device, apart from the engine's. It gets the adapter's limits: the default asks GL for a browser's.
@@ -109,12 +99,13 @@ fn no_window(error: &eframe::Error) -> Failure {
             "no window can be opened: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); run it in a desktop session or under 'xvfb-run', or draw without a window: pointstage render FILE --out picture.png"
         ));
     }
-    let advice = if matches!(error, eframe::Error::Wgpu(_)) {
-        "no graphics adapter can draw a window; install a driver (on Debian: apt install mesa-vulkan-drivers), or draw without a window: pointstage render FILE --no-device --out picture.png"
-    } else {
-        "check that the display server runs and that this user may use it, or draw without a window: pointstage render FILE --out picture.png"
-    };
+    if matches!(error, eframe::Error::Wgpu(_)) {
+        tracing::debug!("the window's toolkit says: {error}");
+        return Failure::Failed(anyhow::anyhow!(
+            "no window can be opened: no graphics adapter can draw one; install a driver (on Debian: apt install mesa-vulkan-drivers), or draw without a window: pointstage render FILE --no-device --out picture.png"
+        ));
+    }
     Failure::Failed(anyhow::anyhow!(
-        "no window can be opened: {error}; {advice}"
+        "no window can be opened: {error}; check that the display server runs and that this user may use it, or draw without a window: pointstage render FILE --out picture.png"
     ))
 }

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use pointstage_engine::frame::legend::{Legend, legend};
 use pointstage_engine::frame::targets::{TargetSpec, host_target_spec};
 use pointstage_engine::stage::{
-    FrameRequest, FrameResult, Notice, Severity, Show, StageOptions, StageThread,
+    Adapter, FrameRequest, FrameResult, Notice, Severity, Show, StageOptions, StageThread,
 };
 use pointstage_plugin_api::abi::Format;
 use pointstage_scene::Scene;
@@ -19,6 +19,15 @@ pub(crate) struct StageLink {
     thread: StageThread,
     taken: Option<Arc<FrameResult>>,
     rows: (Sender<Rows>, Receiver<Rows>),
+    /// Lists asked for that have not come yet.
+    awaited_rows: usize,
+}
+
+/// What draws now, or why no device does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct DrawnWith {
+    adapter: Option<Adapter>,
+    no_device: Option<String>,
 }
 
 impl StageLink {
@@ -32,12 +41,18 @@ impl StageLink {
             thread: StageThread::spawn(options, move || wake())?,
             taken: None,
             rows: channel(),
+            awaited_rows: 0,
         })
     }
 
     /// Whether plugins are known and pictures can be asked for.
     pub(crate) fn is_ready(&self) -> bool {
         self.thread.registry().is_some()
+    }
+
+    /// Whether all that was asked for has been answered. What came last may still have to be taken.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.is_ready() && self.awaited_rows == 0 && !self.thread.status().busy
     }
 
     /// Asks for a picture; one that waits is replaced.
@@ -72,7 +87,8 @@ impl StageLink {
     }
 
     /// Asks which renderers and plugins there are, and which fit `scene`.
-    pub(crate) fn ask_for_rows(&self, scene: Arc<Scene>) {
+    pub(crate) fn ask_for_rows(&mut self, scene: Arc<Scene>) {
+        self.awaited_rows += 1;
         let answer = self.rows.0.clone();
         self.thread.errand(move |stage| {
             // The window has closed when nobody listens.
@@ -81,17 +97,37 @@ impl StageLink {
     }
 
     /// The newest answer to [`ask_for_rows`](Self::ask_for_rows), once.
-    pub(crate) fn take_rows(&self) -> Option<Rows> {
-        self.rows.1.try_iter().last()
+    pub(crate) fn take_rows(&mut self) -> Option<Rows> {
+        let mut answers: Vec<Rows> = self.rows.1.try_iter().collect();
+        self.awaited_rows -= answers.len();
+        answers.pop()
     }
 
     /// Examines a plugin file again, whatever came of it before, and lists anew.
-    pub(crate) fn retry_plugin(&self, path: PathBuf, scene: Arc<Scene>) {
+    pub(crate) fn retry_plugin(&mut self, path: PathBuf, scene: Arc<Scene>) {
         self.thread.errand(move |stage| {
             stage.registry().retry(&path);
             stage.rescan();
         });
         self.ask_for_rows(scene);
+    }
+
+    /// Destroys the graphics device as a driver's crash would; the next picture is drawn with a new one.
+    pub(crate) fn lose_device(&self) {
+        self.thread.errand(|stage| {
+            if let Some(device) = stage.device() {
+                device.destroy();
+            }
+        });
+    }
+
+    /// What draws now.
+    pub(crate) fn drawn_with(&self) -> DrawnWith {
+        let status = self.thread.status();
+        DrawnWith {
+            adapter: status.adapter,
+            no_device: status.no_device,
+        }
     }
 
     /// What draws, in a few words for the status bar.
@@ -103,6 +139,11 @@ impl StageLink {
             (None, None) if self.is_ready() => "CPU only".to_owned(),
             (None, None) => "opening the device".to_owned(),
         }
+    }
+
+    /// Why there is no device although one was wanted.
+    pub(crate) fn no_device(&self) -> Option<String> {
+        self.thread.status().no_device
     }
 
     /// Versions and adapter, for reports.

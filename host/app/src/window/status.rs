@@ -21,6 +21,8 @@ pub(crate) struct Status<'a> {
     pub(crate) refining: Option<f32>,
     /// The adapter, or why there is none.
     pub(crate) adapter: &'a str,
+    /// Why there is no adapter, at length.
+    pub(crate) no_device: Option<&'a str>,
     /// Messages.
     pub(crate) log: &'a Log,
 }
@@ -50,7 +52,10 @@ pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
         ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
             log_button_ui(ui, status.log, out);
             ui.separator();
-            ui.weak(status.adapter);
+            let adapter = ui.weak(status.adapter);
+            if let Some(reason) = status.no_device {
+                adapter.on_hover_text(reason);
+            }
         });
     });
 }

@@ -13,6 +13,7 @@ pub(crate) fn apply(ctx: &egui::Context) {
         let is_dark = style.visuals.dark_mode;
         style.visuals.widgets.noninteractive.fg_stroke.color =
             Color32::from_gray(if is_dark { 205 } else { 40 });
+        style.visuals.weak_text_alpha = 0.75;
         // Tooltips explain settings: they may be read in peace.
         style.interaction.tooltip_delay = 0.4;
     });

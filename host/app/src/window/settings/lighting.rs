@@ -145,7 +145,10 @@ fn colour_and_strength_ui(ui: &mut Ui, colour: &mut Vec3) {
     } else {
         [1.0; 3]
     };
+    let before = ui.available_width();
     let picked = ui.color_edit_button_rgb(&mut hue).changed();
+    let taken = before - ui.available_width();
+    super::set_slider_width(ui, ui.spacing().slider_width - taken);
     let slid = ui
         .add(Slider::new(&mut strength, 0.0..=2.0).max_decimals(2))
         .on_hover_text("Strength")

@@ -27,11 +27,24 @@ const TABS: [(Tab, &str); 5] = [
 /// Width of a row's label, points.
 const LABEL_WIDTH: f32 = 108.0;
 
+/// Width kept free at a row's end for 'reset', points: what is edited must not change the panel's width.
+const RESET_WIDTH: f32 = 48.0;
+
+/// Width of the number beside a slider, points: nine characters.
+const NUMBER_WIDTH: f32 = 76.0;
+
+/// The least width of a slider, points.
+const LEAST_SLIDER_WIDTH: f32 = 40.0;
+
 /// The row of tabs.
 pub(super) fn tabs_ui(ui: &mut egui::Ui, chosen: Tab, out: &mut Intents) {
+    ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         for (tab, name) in TABS {
-            if ui.selectable_label(tab == chosen, name).clicked() {
+            let label = ui.selectable_label(tab == chosen, name);
+            ui.ctx()
+                .accesskit_node_builder(label.id, |node| node.set_role(egui::Role::Tab));
+            if label.clicked() {
                 out.push(Intent::ChooseTab(tab));
             }
         }
@@ -58,6 +71,16 @@ fn row(ui: &mut egui::Ui, label: &str, help: &str, add: impl FnOnce(&mut egui::U
         } else {
             response.on_hover_text(help)
         };
+        let gap = ui.spacing().item_spacing.x;
+        let widget_width = ui.available_width() - RESET_WIDTH - gap;
+        ui.spacing_mut().combo_width = widget_width;
+        ui.spacing_mut().text_edit_width = widget_width;
+        set_slider_width(ui, widget_width - NUMBER_WIDTH - gap);
         ui.label_inputs_by(named.id, add);
     });
+}
+
+/// Lets sliders in `ui` be so wide, within reason.
+fn set_slider_width(ui: &mut egui::Ui, width: f32) {
+    ui.spacing_mut().slider_width = width.max(LEAST_SLIDER_WIDTH);
 }

@@ -256,7 +256,7 @@ fn text_ui(ui: &mut Ui, value: &str) -> Option<String> {
     let mut draft = ui
         .data(|data| data.get_temp::<String>(draft_id))
         .unwrap_or_else(|| value.to_owned());
-    let response = ui.add(TextEdit::singleline(&mut draft).desired_width(140.0));
+    let response = ui.add(TextEdit::singleline(&mut draft));
     if response.has_focus() {
         ui.data_mut(|data| data.insert_temp(draft_id, draft));
         return None;

@@ -1,0 +1,249 @@
+//! What the window shows, written to a file: the hook by which tests and scripts drive the window.
+//!
+//! With the environment variable `POINTSTAGE_UI_STATE=FILE`, the window writes FILE anew after every pass that changed
+//! something: each widget by the role, name and place that a screen reader is told, and what the session holds. A driver
+//! finds a button as a person does, by its text, clicks at its middle, and waits for the state that it expects. The user
+//! guide (`docs/user-guide/driving.md`) lists the fields.
+
+use std::path::PathBuf;
+
+use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
+use egui::{Context, Event, FullOutput, Plugin, RawInput};
+use pointstage_engine::stage::Severity;
+use pointstage_scene::ViewRecord;
+use serde_json::{Map, Value, json};
+
+use super::app::App;
+use crate::output::whole_file;
+
+/// The environment variable that names the file.
+const VARIABLE: &str = "POINTSTAGE_UI_STATE";
+
+/// Watches the window and writes the file.
+pub(crate) struct UiState {
+    path: PathBuf,
+    /// What the session held at the end of the pass.
+    session: Value,
+    /// Where the pass saw the pointer.
+    pointer_px: Option<[f32; 2]>,
+    /// How often a button was released: a driver that moves on before its click was seen takes it along.
+    release_count: u64,
+    written: String,
+}
+
+impl UiState {
+    /// The writer, if the environment asks for one.
+    pub(crate) fn from_environment() -> Option<Self> {
+        let path = std::env::var_os(VARIABLE).filter(|path| !path.is_empty())?;
+        Some(Self::new(path.into()))
+    }
+
+    fn new(path: PathBuf) -> Self {
+        Self {
+            path,
+            session: Value::Null,
+            pointer_px: None,
+            release_count: 0,
+            written: String::new(),
+        }
+    }
+
+    fn write(&mut self, tree: &TreeUpdate, pixels_per_point: f32) {
+        let state = json!({
+            "session": self.session,
+            "pointer": { "at": self.pointer_px, "releases": self.release_count },
+            "widgets": widgets(tree, f64::from(pixels_per_point)),
+        });
+        let text = state.to_string();
+        if text == self.written {
+            return;
+        }
+        match whole_file::replace(&self.path, text.as_bytes()) {
+            Ok(()) => self.written = text,
+            Err(error) => tracing::error!("{VARIABLE}: {error}"),
+        }
+    }
+}
+
+impl Plugin for UiState {
+    fn debug_name(&self) -> &'static str {
+        "ui state"
+    }
+
+    /// The platform's own reader switches the tree off when nobody listens to it; this one always does.
+    fn input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
+        ctx.enable_accesskit();
+        let is_release =
+            |event: &&Event| matches!(event, Event::PointerButton { pressed: false, .. });
+        self.release_count += input.events.iter().filter(is_release).count() as u64;
+    }
+
+    fn output_hook(&mut self, ctx: &Context, output: &mut FullOutput) {
+        if let Some(tree) = output.platform_output.accesskit_update.take() {
+            self.write(&tree, ctx.pixels_per_point());
+            output.platform_output.accesskit_update = Some(tree);
+        }
+    }
+}
+
+/// Every widget that has a place and a name or a value, from top to bottom and from left to right.
+fn widgets(tree: &TreeUpdate, pixels_per_point: f64) -> Vec<Value> {
+    let mut placed: Vec<([i64; 4], Value)> = tree
+        .nodes
+        .iter()
+        .filter_map(|(_, node)| widget(node, tree, pixels_per_point))
+        .collect();
+    // The tree comes in no order.
+    placed.sort_by_cached_key(|([left, top, ..], widget)| (*top, *left, widget.to_string()));
+    placed.into_iter().map(|(_, widget)| widget).collect()
+}
+
+fn widget(node: &Node, tree: &TreeUpdate, pixels_per_point: f64) -> Option<([i64; 4], Value)> {
+    // A run of text repeats the label that it is part of.
+    let is_shown = !node.is_hidden() && node.role() != Role::TextRun;
+    let bounds = node.bounds().filter(|_| is_shown)?;
+    let rect_px = [bounds.x0, bounds.y0, bounds.x1, bounds.y1]
+        .map(|edge| (edge * pixels_per_point).round() as i64);
+    let mut widget = Map::new();
+    if let Some(name) = name(node, tree) {
+        widget.insert("name".to_owned(), json!(name));
+    }
+    if let Some(value) = node.value() {
+        widget.insert("value".to_owned(), json!(value));
+    } else if let Some(value) = node.numeric_value() {
+        widget.insert("value".to_owned(), json!(value));
+    }
+    if widget.is_empty() {
+        return None;
+    }
+    widget.insert("role".to_owned(), json!(format!("{:?}", node.role())));
+    widget.insert("rect".to_owned(), json!(rect_px));
+    if let Some(toggled) = node.toggled() {
+        widget.insert("on".to_owned(), json!(toggled == Toggled::True));
+    }
+    if node.is_disabled() {
+        widget.insert("disabled".to_owned(), json!(true));
+    }
+    Some((rect_px, Value::Object(widget)))
+}
+
+/// The node's own name, or the texts that label it.
+fn name(node: &Node, tree: &TreeUpdate) -> Option<String> {
+    if let Some(label) = node.label() {
+        return Some(label.to_owned());
+    }
+    let text_of = |id: &NodeId| {
+        let (_, node) = tree.nodes.iter().find(|(other, _)| other == id)?;
+        node.value().or(node.label()).map(ToOwned::to_owned)
+    };
+    let texts: Vec<String> = node.labelled_by().iter().filter_map(text_of).collect();
+    (!texts.is_empty()).then(|| texts.join(" "))
+}
+
+impl App {
+    /// Tells the writer, if there is one, what the session holds. `is_settled` says that nothing is under way: the picture
+    /// on the screen is the final one of what the session holds.
+    pub(super) fn report_state(&self, ctx: &Context, is_settled: bool) {
+        let pixels_per_point = ctx.pixels_per_point();
+        let pointer = ctx.input(|input| input.pointer.latest_pos());
+        let pointer_px = pointer.map(|at| [at.x, at.y].map(|side| side * pixels_per_point));
+        ctx.with_plugin(|ui_state: &mut UiState| {
+            ui_state.session = self.state(is_settled);
+            ui_state.pointer_px = pointer_px;
+        });
+    }
+
+    fn state(&self, is_settled: bool) -> Value {
+        let session = &self.session;
+        let shown = self.shown.as_deref();
+        let preparing = shown.and_then(|shown| shown.preparing.as_ref());
+        let size_px = self.viewport.map_or([0; 2], |viewport| viewport.size_px);
+        let objects = session.scene.objects().iter();
+        let tasks = self.tasks.open().iter();
+        let messages = self.log.entries().iter();
+        json!({
+            "settled": is_settled,
+            "renderer": session.renderer,
+            "settings": session.chosen_settings(),
+            "drawn_by": shown.map(|shown| &shown.drawn_by),
+            "preparing": preparing.map(|preparing| &preparing.id),
+            "structure": session.structure,
+            "objects": objects.map(|object| json!({
+                "name": object.name,
+                "surfels": object.geometry.surfel_count,
+            })).collect::<Vec<_>>(),
+            "view": ViewRecord::new(session.camera, size_px[0], size_px[1]),
+            "lights": session.lights,
+            "show": super::legend::title_of(&session.view.show),
+            "tasks": tasks.map(|task| json!({
+                "title": task.title,
+                "progress": task.job.progress(),
+            })).collect::<Vec<_>>(),
+            "messages": messages.map(|entry| json!({
+                "severity": severity(entry.notice.severity),
+                "plugin": entry.notice.plugin,
+                "text": entry.notice.text,
+            })).collect::<Vec<_>>(),
+            "adapter": self.stage.adapter(),
+        })
+    }
+}
+
+fn severity(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Info => "note",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs one pass with `add` under a writer, and reads the file.
+    fn state_of(add: impl FnMut(&mut egui::Ui)) -> Value {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("state.json");
+        let ctx = Context::default();
+        ctx.add_plugin(UiState::new(path.clone()));
+        let input = RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(
+                egui::Pos2::ZERO,
+                egui::vec2(200.0, 100.0),
+            )),
+            ..RawInput::default()
+        };
+        let _ = ctx.run_ui(input, add);
+        let text = std::fs::read_to_string(path).expect("the file was written");
+        serde_json::from_str(&text).expect("it is JSON")
+    }
+
+    fn named<'a>(state: &'a Value, role: Role, name: &str) -> Option<&'a Value> {
+        let widgets = state["widgets"].as_array()?;
+        let role = format!("{role:?}");
+        widgets
+            .iter()
+            .find(|widget| widget["name"] == name && widget["role"] == *role)
+    }
+
+    #[test]
+    fn widgets_are_found_by_the_names_that_people_see() {
+        let state = state_of(|ui| {
+            let _ = ui.radio(true, "Points");
+            ui.add_enabled(false, egui::Button::new("Open"));
+            let label = ui.label("Path");
+            let mut text = "a.ply".to_owned();
+            ui.text_edit_singleline(&mut text).labelled_by(label.id);
+        });
+        let radio = named(&state, Role::RadioButton, "Points").expect("the radio button");
+        assert_eq!(radio["on"], true, "{radio}");
+        let button = named(&state, Role::Button, "Open").expect("the button");
+        assert_eq!(button["disabled"], true, "{button}");
+        let field = named(&state, Role::TextInput, "Path").expect("the field");
+        assert_eq!(field["value"], "a.ply", "{field}");
+        let rect: Vec<i64> = serde_json::from_value(radio["rect"].clone()).expect("four edges");
+        assert!(rect[0] < rect[2] && rect[1] < rect[3], "{rect:?}");
+        assert!(rect[3] <= 100, "{rect:?} is outside the window");
+    }
+}
