@@ -1,8 +1,9 @@
 //! The program's window on a virtual display, used as a person would use it.
 //!
-//! [`Display`] is an X server without a screen (Xvfb). [`Window`] starts the program on it, waits for what its log
-//! says, and moves the pointer, presses keys, drops files and takes pictures through the X protocol, so that nothing
-//! besides Xvfb has to be installed. Pixels are of the display, from its upper left corner.
+//! [`Display`] is an X server without a screen (Xvfb). [`Window`] starts the program on it, finds widgets by their names
+//! and waits for what it should show ([`State`]), and moves the pointer, presses keys, drops files and takes pictures
+//! through the X protocol, so that nothing besides Xvfb has to be installed. Pixels are of the display, from its upper left
+//! corner, which is the window's too: there is no window manager.
 
 use std::time::{Duration, Instant};
 
@@ -12,9 +13,11 @@ mod drop;
 mod input;
 mod log;
 mod session;
+mod state;
 
 pub use display::Display;
 pub use session::Window;
+pub use state::{State, Widget};
 
 /// How long a window may take for what it is asked. Far above what it needs alone: it draws in software here, and
 /// other tests run beside it.

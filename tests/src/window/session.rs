@@ -1,6 +1,7 @@
 //! The running program with its window.
 
 use std::ffi::OsStr;
+use std::path::PathBuf;
 use std::process::{Child, ExitStatus, Stdio};
 
 use anyhow::{Context as _, Result, bail};
@@ -14,7 +15,9 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 
 use super::log::Log;
+use super::state::{State, Widget};
 use super::{Display, TIME_LIMIT, capture, drop, input, wait_for};
+use crate::golden;
 use crate::program::Program;
 
 /// The program's window. The program is ended with this value if it still runs.
@@ -26,6 +29,8 @@ pub struct Window {
     connection: RustConnection,
     root: WindowId,
     id: WindowId,
+    /// Where the program writes what it shows.
+    state_path: PathBuf,
 }
 
 impl Window {
@@ -41,10 +46,12 @@ impl Window {
         let (connection, screen) = x11rb::connect(Some(display.name()))
             .with_context(|| format!("connecting to {}", display.name()))?;
         let root = connection.setup().roots[screen].root;
+        let state_path = program.home().join("ui_state.json");
         let mut child = program
             .command()
             .args(arguments)
             .env("DISPLAY", display.name())
+            .env("POINTSTAGE_UI_STATE", &state_path)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -69,6 +76,7 @@ impl Window {
             connection,
             root,
             id: root,
+            state_path,
         };
         let found = wait_for(|| {
             window.must_run()?;
@@ -112,6 +120,93 @@ impl Window {
         Ok(line)
     }
 
+    /// Waits until the window's state is one of which `accept` makes something, and returns that.
+    ///
+    /// # Errors
+    /// When the program ends, or shows no such state in time; the message holds the last state and names a picture.
+    pub fn wait_for_state<T>(
+        &mut self,
+        what: &str,
+        mut accept: impl FnMut(&State) -> Option<T>,
+    ) -> Result<T> {
+        let found = wait_for(|| {
+            self.must_run()?;
+            Ok(self.state()?.as_ref().and_then(&mut accept))
+        })?;
+        if let Some(found) = found {
+            return Ok(found);
+        }
+        bail!("waited in vain for {what}; {}", self.last_words()?)
+    }
+
+    /// Waits until the picture is the final one of what the session holds, and `accept` says yes to the state.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`].
+    pub fn settle(&mut self, what: &str, accept: impl Fn(&State) -> bool) -> Result<State> {
+        self.wait_for_state(what, |state| {
+            (state.is_settled() && accept(state)).then(|| state.clone())
+        })
+    }
+
+    /// Waits for the widget of this role and name that can be used, and returns it.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`].
+    pub fn find(&mut self, role: &str, name: &str) -> Result<Widget> {
+        self.wait_for_state(&format!("a {role} '{name}'"), |state| {
+            state.widget(role, name).filter(|widget| widget.is_enabled)
+        })
+    }
+
+    /// Clicks at the middle of the widget of this role and name, once it is there.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`].
+    pub fn click_on(&mut self, role: &str, name: &str) -> Result<()> {
+        let (x, y) = self.find(role, name)?.middle();
+        self.point_at(x, y)?;
+        let releases = self.wait_for_state("the pointer", |state| {
+            state.has_pointer_at(x, y).then(|| state.releases())
+        })?;
+        self.click(x, y, 1)?;
+        // The window takes all that came since its last pass to be where the pointer is by then: it must not move on before.
+        self.wait_for_state("the click", |state| {
+            (state.releases() > releases).then_some(())
+        })
+    }
+
+    /// The part of the display that the picture takes.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`].
+    pub fn capture_picture(&mut self) -> Result<RgbaImage> {
+        let [left, top, right, bottom] = self.find("Image", "Picture")?.rect.map(i32::from);
+        let sides = [left, top, right - left, bottom - top];
+        let [x, y, width, height] = sides.map(|side| u32::try_from(side).unwrap_or_default());
+        let all = self.capture()?;
+        Ok(image::imageops::crop_imm(&all, x, y, width, height).to_image())
+    }
+
+    /// For the message of a test that failed: a file with what the display shows, the program's log, and its state.
+    fn last_words(&self) -> Result<String> {
+        let name = format!("failed_{}.png", self.child.id());
+        let picture = golden::output_folder().join("window").join(name);
+        golden::write(&self.capture()?, &picture)?;
+        let state = self
+            .state()?
+            .map_or_else(String::new, |state| state.describe());
+        Ok(format!(
+            "see {}; the program said:\n{}\nand showed:\n{state}",
+            picture.display(),
+            self.said()
+        ))
+    }
+
+    fn state(&self) -> Result<Option<State>> {
+        State::read(&self.state_path)
+    }
+
     /// Everything that the program has written.
     pub fn said(&self) -> String {
         self.log.lines().join("\n")
@@ -135,15 +230,31 @@ impl Window {
         input::release(&self.connection, self.root, button)
     }
 
-    /// Drags with `button` in a straight line.
+    /// Drags with `button` between two places until `accept` says yes to the state.
+    ///
+    /// The window may take all movements for one where it draws slowly, so they go on until they are seen.
     ///
     /// # Errors
-    /// When the display is gone.
-    pub fn drag(&self, from: (i16, i16), to: (i16, i16), button: u8) -> Result<()> {
+    /// As for [`Window::wait_for_state`].
+    pub fn drag_until(
+        &mut self,
+        from: (i16, i16),
+        to: (i16, i16),
+        button: u8,
+        accept: impl Fn(&State) -> bool,
+    ) -> Result<()> {
         self.point_at(from.0, from.1)?;
         input::press(&self.connection, self.root, button)?;
-        input::glide(&self.connection, self.root, from, to)?;
-        input::release(&self.connection, self.root, button)
+        let found = wait_for(|| {
+            self.must_run()?;
+            input::glide(&self.connection, self.root, from, to)?;
+            Ok(self.state()?.filter(&accept))
+        });
+        input::release(&self.connection, self.root, button)?;
+        if found?.is_none() {
+            bail!("waited in vain for a drag; {}", self.last_words()?);
+        }
+        Ok(())
     }
 
     /// Turns the wheel at (x, y) by `clicks`, up when positive.
@@ -196,29 +307,27 @@ impl Window {
         capture::capture(&self.connection, self.root)
     }
 
-    /// Waits until the display shows a picture of which `accept` says yes, and returns it.
+    /// Waits until the part of the display with the picture is one of which `accept` says yes, and returns it.
     ///
     /// # Errors
-    /// When it never does; the last picture is written to `path_on_failure`.
+    /// When it never is; the message names a file with what the display showed last.
     pub fn wait_for_picture(
         &mut self,
-        path_on_failure: &std::path::Path,
+        what: &str,
         mut accept: impl FnMut(&RgbaImage) -> bool,
     ) -> Result<RgbaImage> {
         let found = wait_for(|| {
             self.must_run()?;
-            let picture = self.capture()?;
+            let picture = self.capture_picture()?;
             Ok(accept(&picture).then_some(picture))
         })?;
-        if let Some(picture) = found {
-            return Ok(picture);
+        match found {
+            Some(picture) => Ok(picture),
+            None => bail!(
+                "waited in vain for the picture '{what}'; {}",
+                self.last_words()?
+            ),
         }
-        crate::golden::write(&self.capture()?, path_on_failure)?;
-        bail!(
-            "the window never showed what was waited for; see {}; it said:\n{}",
-            path_on_failure.display(),
-            self.said()
-        )
     }
 
     /// Gives the window another size.

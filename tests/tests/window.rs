@@ -1,0 +1,395 @@
+//! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, ensure};
+use image::RgbaImage;
+use pointstage_tests::compare::{Difference, compare};
+use pointstage_tests::program::Program;
+use pointstage_tests::scenes;
+use pointstage_tests::window::{Display, State, Window};
+
+const POINTS: &str = "org.pointstage.points";
+const SURFEL: &str = "org.pointstage.surfel";
+const FALLBACK: &str = "pointstage.fallback";
+
+/// Size of the display and the window, px: the settings fit without scrolling.
+const SIZE: (u16, u16) = (1100, 720);
+
+/// The program, its window, and files for it. The display goes last.
+struct Desk {
+    window: Window,
+    program: Program,
+    _display: Display,
+}
+
+impl Desk {
+    /// Opens the window with a sphere on the stage. `None` where there is no virtual display.
+    fn with_sphere() -> Result<Option<Self>> {
+        let program = Program::find()?;
+        let sphere = sphere(program.home())?;
+        let Some(mut desk) = Self::open(program, &[sphere.as_os_str()])? else {
+            return Ok(None);
+        };
+        desk.window.settle("the sphere", |state| {
+            state.objects() == ["sphere"] && state.session("drawn_by") == POINTS
+        })?;
+        Ok(Some(desk))
+    }
+
+    fn open(program: Program, arguments: &[&std::ffi::OsStr]) -> Result<Option<Self>> {
+        let (width, height) = SIZE;
+        let Some(display) = Display::start(width, height)? else {
+            return Ok(None);
+        };
+        let window = Window::open(&display, &program, arguments)?;
+        window.resize(u32::from(width), u32::from(height))?;
+        Ok(Some(Self {
+            window,
+            program,
+            _display: display,
+        }))
+    }
+
+    /// Waits until the display shows a picture that `accept` says yes to.
+    fn wait_for_picture(
+        &mut self,
+        what: &str,
+        accept: impl Fn(&RgbaImage) -> bool,
+    ) -> Result<RgbaImage> {
+        self.window.wait_for_picture(what, accept)
+    }
+
+    /// Turns the scene with the pointer.
+    fn turn(&mut self) -> Result<()> {
+        let before = self
+            .window
+            .wait_for_state("a view", |state| Some(state.session("view").clone()))?;
+        self.window.drag_until((370, 360), (470, 420), 1, |state| {
+            *state.session("view") != before
+        })
+    }
+
+    /// The file menu's way: the field for a path, typed to and entered.
+    fn type_path(&mut self, path: &Path) -> Result<()> {
+        self.window.click_on("Button", "File")?;
+        self.window.click_on("Button", "Open path… Ctrl+Shift+O")?;
+        self.window.find("TextInput", "Path of a PLY file:")?;
+        self.window.type_text(
+            path.to_str()
+                .context("temporary folders have plain names")?,
+        )?;
+        self.window.wait_for_state("the typed path", |state| {
+            let field = state.widget("TextInput", "Path of a PLY file:")?;
+            (field.value == path.to_str()?).then_some(())
+        })?;
+        self.window.press_keys("Return")
+    }
+
+    /// Ends the session as a person would, and asks that it ends well.
+    fn close(self) -> Result<()> {
+        let said = self.window.said();
+        let status = self.window.close()?;
+        ensure!(status.success(), "{status}; it said:\n{said}");
+        Ok(())
+    }
+}
+
+fn sphere(folder: &Path) -> Result<PathBuf> {
+    scenes::write(folder, "sphere", &scenes::sphere(3000, 1.0))
+}
+
+/// Pixels of a colour: the scenes are coloured, the background is nearly grey.
+fn coloured(picture: &RgbaImage) -> usize {
+    let is_coloured = |pixel: &image::Rgba<u8>| {
+        let [red, green, blue, _] = pixel.0;
+        red.max(green).max(blue) - red.min(green).min(blue) > 40
+    };
+    picture.pixels().filter(|pixel| is_coloured(pixel)).count()
+}
+
+fn difference(a: &RgbaImage, b: &RgbaImage) -> Difference {
+    compare(a, b).expect("the picture keeps its place in the window")
+}
+
+/// Whether two pictures show the same: a frame around the one that has the keyboard is allowed for.
+fn same(a: &RgbaImage, b: &RgbaImage) -> bool {
+    difference(a, b).psnr_db > 30.0
+}
+
+/// What a change of the renderer must not touch.
+fn kept(state: &State) -> [&serde_json::Value; 3] {
+    ["objects", "view", "lights"].map(|key| state.session(key))
+}
+
+#[test]
+fn a_file_named_on_the_command_line_is_shown() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    // Of 740 × 670 pixels, 3,000 points of 2 × 2 px cover 12,000 at most.
+    desk.wait_for_picture("opened by argument", |picture| coloured(picture) > 2000)?;
+    desk.window
+        .wait_for_state("the counts in the status bar", |state| {
+            state
+                .shows("3\u{2009}000 surfels, 3\u{2009}000 drawn")
+                .then_some(())
+        })?;
+    desk.close()
+}
+
+#[test]
+fn a_typed_path_is_opened() -> Result<()> {
+    let program = Program::find()?;
+    let planes = scenes::write(program.home(), "planes", &scenes::crossing_planes(60))?;
+    let Some(mut desk) = Desk::open(program, &[])? else {
+        return Ok(());
+    };
+    desk.window.settle("the welcome", |state| {
+        state.shows("Nothing on the stage yet")
+    })?;
+    desk.type_path(&planes)?;
+    desk.window
+        .settle("the planes", |state| state.objects() == ["planes"])?;
+    desk.wait_for_picture("opened by path", |picture| coloured(picture) > 5000)?;
+    desk.close()
+}
+
+#[test]
+fn switching_the_renderer_keeps_scene_camera_and_lights() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    desk.turn()?;
+    let window = &mut desk.window;
+    window.click_on("Tab", "Lighting")?;
+    window.click_on("Button", "Add light")?;
+
+    window.click_on("Tab", "Renderer")?;
+    let before = window.settle("three lights", |state| {
+        let lights = state.session("lights")["lights"].as_array();
+        lights.is_some_and(|lights| lights.len() == 3)
+            && state.widget("RadioButton", "Surfels").is_some()
+    })?;
+    let points = desk.wait_for_picture("points", |picture| coloured(picture) > 2000)?;
+    let mut last = points.clone();
+    for (name, id) in [
+        ("Surfels", SURFEL),
+        ("Built-in fallback (CPU)", FALLBACK),
+        ("Points", POINTS),
+    ] {
+        desk.window.click_on("RadioButton", name)?;
+        let state = desk.window.settle(name, |state| {
+            state.session("drawn_by") == id
+                && state
+                    .widget("RadioButton", name)
+                    .is_some_and(|radio| radio.is_on)
+        })?;
+        assert_eq!(kept(&state), kept(&before), "{name} changed the session");
+        last = match id {
+            // Disks close the sphere; points leave most of it open.
+            SURFEL | FALLBACK => {
+                desk.wait_for_picture(name, |picture| coloured(picture) > 40_000)?
+            }
+            _ => desk.wait_for_picture(name, |picture| same(picture, &points))?,
+        };
+        assert_eq!(last.dimensions(), points.dimensions());
+    }
+    assert!(same(&last, &points), "{}", difference(&last, &points));
+    desk.close()
+}
+
+#[test]
+fn a_setting_of_the_chosen_renderer_changes_the_picture() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let small = desk.wait_for_picture("small points", |picture| coloured(picture) > 2000)?;
+    let slider = desk.window.find("Slider", "Point size")?;
+    let ([_, _, right, _], from) = (slider.rect, slider.middle());
+    desk.window.drag_until(from, (right, from.1), 1, |state| {
+        let size = state.session("settings")["size"].as_f64();
+        size.is_some_and(|size| size > 4.0)
+    })?;
+    desk.wait_for_picture("large points", |picture| {
+        coloured(picture) > 2 * coloured(&small)
+    })?;
+    desk.window.click_on("Button", "Reset Point size")?;
+    desk.window.settle("the default", |state| {
+        *state.session("settings") == serde_json::json!({})
+    })?;
+    desk.wait_for_picture("small points again", |picture| same(picture, &small))?;
+    desk.close()
+}
+
+#[test]
+fn a_dropped_file_takes_the_scene_s_place() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let folder = desk.program.home();
+    let planes = scenes::write(folder, "crossing planes", &scenes::crossing_planes(60))?;
+    let before = desk.wait_for_picture("the sphere", |picture| coloured(picture) > 2000)?;
+    desk.window.drop_files(&[&planes], 370, 360)?;
+    desk.window
+        .settle("the planes", |state| state.objects() == ["crossing planes"])?;
+    desk.wait_for_picture("the planes", |picture| {
+        coloured(picture) > 5000 && !same(picture, &before)
+    })?;
+    desk.close()
+}
+
+#[test]
+fn a_cancelled_load_leaves_the_session_as_it_was() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let before = desk.wait_for_picture("the sphere", |picture| coloured(picture) > 2000)?;
+    let long = long_to_load(desk.program.home())?;
+    desk.window.drop_files(&[&long], 370, 360)?;
+    desk.window.click_on("Button", "Cancel Load long.ply")?;
+    let state = desk
+        .window
+        .settle("the end of the load", |state| !state.messages().is_empty())?;
+    let messages = state.messages();
+    assert!(
+        messages.len() == 1 && messages[0].ends_with("long.ply: loading cancelled"),
+        "{messages:?}"
+    );
+    assert_eq!(state.objects(), ["sphere"]);
+    // The session goes on: it can do what it could before.
+    desk.window.click_on("RadioButton", "Surfels")?;
+    desk.window
+        .settle("surfels", |state| state.session("drawn_by") == SURFEL)?;
+    desk.window.click_on("RadioButton", "Points")?;
+    desk.window.click_on("Button", "Dismiss")?;
+    desk.wait_for_picture("the sphere again", |picture| same(picture, &before))?;
+    desk.close()
+}
+
+/// A file of almost two million points without normals: few megabytes, and long to estimate normals for.
+fn long_to_load(folder: &Path) -> Result<PathBuf> {
+    const COUNT: u32 = 1_900_000;
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {COUNT}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    )
+    .into_bytes();
+    // A linear congruential generator (Knuth's constants): points in no order, everywhere in a cube.
+    let mut random = 1_u64;
+    for _ in 0..3 * COUNT {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let unit = (random >> 40) as f32 / (1_u32 << 24) as f32;
+        bytes.extend(unit.to_le_bytes());
+    }
+    let path = folder.join("long.ply");
+    std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))?;
+    Ok(path)
+}
+
+#[test]
+fn a_bad_file_says_what_is_wrong_over_the_picture() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let sphere = std::fs::read(desk.program.home().join("sphere.ply"))?;
+    let short = desk.program.home().join("short.ply");
+    std::fs::write(&short, &sphere[..sphere.len() / 2])?;
+    desk.type_path(&short)?;
+    let state = desk.window.settle("the message", |state| {
+        state.shows("short.ply, byte") && state.shows("Log: 1 error")
+    })?;
+    assert_eq!(state.objects(), ["sphere"], "the scene stays");
+    desk.window.click_on("Button", "Dismiss")?;
+    desk.window.settle("the message to go", |state| {
+        !state.shows("short.ply, byte") && state.shows("Log: 1 error")
+    })?;
+    desk.window.click_on("Button", "Log: 1 error")?;
+    desk.window
+        .settle("the log", |state| state.shows("short.ply, byte"))?;
+    desk.close()
+}
+
+#[test]
+fn a_lost_device_comes_back_with_everything_as_it_was() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    desk.turn()?;
+    desk.window.click_on("CheckBox", "Hide backs")?;
+    let before = desk
+        .window
+        .settle("a setting that is no default", |state| {
+            state.session("settings")["cull_backs"] == true
+        })?;
+    let picture = desk.wait_for_picture("before", |picture| coloured(picture) > 1000)?;
+    desk.window.click_on("Button", "Help")?;
+    desk.window.click_on("Button", "For plugin authors")?;
+    desk.window.click_on("Button", "Lose the graphics device")?;
+    let after = desk.window.settle("the loss", |state| {
+        let messages = state.messages();
+        messages.iter().any(|text| text.contains("was lost"))
+    })?;
+    for key in [
+        "objects", "view", "lights", "renderer", "settings", "drawn_by",
+    ] {
+        assert_eq!(after.session(key), before.session(key), "{key}");
+    }
+    desk.window.click_on("Button", "Dismiss")?;
+    desk.wait_for_picture("after", |shown| same(shown, &picture))?;
+    desk.close()
+}
+
+#[test]
+fn without_a_device_the_built_in_renderer_draws_and_the_panel_says_why() -> Result<()> {
+    let program = Program::find()?;
+    let sphere = sphere(program.home())?;
+    let arguments = ["--adapter", "no such adapter"].map(AsRef::as_ref);
+    let arguments = [arguments.as_slice(), &[sphere.as_os_str()]].concat();
+    let Some(mut desk) = Desk::open(program, &arguments)? else {
+        return Ok(());
+    };
+    let state = desk.window.settle("the sphere", |state| {
+        state.objects() == ["sphere"] && state.session("drawn_by") == FALLBACK
+    })?;
+    let messages = state.messages();
+    assert!(
+        messages
+            .iter()
+            .any(|text| text.contains("no graphics adapter 'no such adapter'")),
+        "{messages:?}"
+    );
+    let points = state.widget("RadioButton", "Points").context("a row")?;
+    assert!(!points.is_enabled && state.shows("it needs a graphics device"));
+    desk.wait_for_picture("drawn on the CPU", |picture| coloured(picture) > 40_000)?;
+    desk.close()
+}
+
+#[test]
+fn where_no_window_can_open_the_program_says_what_to_install() -> Result<()> {
+    let Some(display) = Display::start(320, 240)? else {
+        return Ok(());
+    };
+    let program = Program::find()?;
+    let mut command = program.command();
+    command.env("DISPLAY", display.name());
+    for name in [
+        "VK_DRIVER_FILES",
+        "VK_ICD_FILENAMES",
+        "__EGL_VENDOR_LIBRARY_FILENAMES",
+    ] {
+        command.env(name, "/nowhere");
+    }
+    let finished =
+        pointstage_tests::program::finish(command, pointstage_tests::program::TIME_LIMIT)?;
+    assert_eq!(finished.code(), Some(1), "{}", finished.stderr);
+    let said = finished.stderr.trim();
+    assert!(
+        said.starts_with("error: no window can be opened")
+            && said.contains("apt install mesa-vulkan-drivers")
+            && said.lines().count() == 1,
+        "{said}"
+    );
+    Ok(())
+}
