@@ -9,7 +9,8 @@ Each frame turns the camera a little, so that nothing can be taken from the fram
 back, so that the drawing is done when the clock stops. The median over the frames is printed as JSON on standard
 output. Positions, normals and colours are in VTK's own buffers before the clock starts.
 
-How to run it, with VTK in an environment of its own and Mesa's software OpenGL on a virtual display:
+`cargo xtask bench draw` runs it beside Pointstage. How to run it alone, with VTK in an environment of its own and Mesa's
+software OpenGL on a virtual display:
 
     python3 -m venv /tmp/vtk && /tmp/vtk/bin/pip install vtk
     xvfb-run -a -s '-screen 0 1280x1024x24' env LIBGL_ALWAYS_SOFTWARE=1 \\
@@ -150,6 +151,7 @@ def main():
             "median_ms": round(median, 2),
             "min_ms": round(min(times), 2),
             "max_ms": round(max(times), 2),
+            "times_ms": [round(time, 2) for time in times],
             "points_per_second": round(count / median * 1000.0),
         }
     print(json.dumps(report, indent=2))

@@ -2,18 +2,25 @@
 
 use crate::{Outcome, build, process, setup};
 
-/// Runs the benchmarks whose names contain one of `names`; all of them when there is none.
-pub(crate) fn bench(names: &[String]) -> Outcome {
+/// Runs the benchmarks of these names, all of them when there is none; what follows `--` goes to them.
+pub(crate) fn bench(arguments: &[String]) -> Outcome {
+    let mut parts = arguments.splitn(2, |argument| argument == "--");
+    let names = parts.next().unwrap_or_default();
+    let passed_on = parts.next().unwrap_or_default();
     setup::set_up(setup::Needs {
         window: false,
         tests: false,
     })?;
     build::release()?;
     process::say("running the benchmarks");
-    let mut command = process::cargo(&["bench", "--workspace", "--benches"]);
+    let mut command = process::cargo(&["bench", "--workspace"]);
     setup::prepare_environment(&mut command)?;
-    if !names.is_empty() {
-        command.arg("--").args(names);
+    if names.is_empty() {
+        command.arg("--benches");
     }
+    for name in names {
+        command.args(["--bench", name]);
+    }
+    command.arg("--").args(passed_on);
     process::run("the benchmarks", &mut command)
 }

@@ -31,7 +31,7 @@ Usage: cargo xtask COMMAND
   bless                          draw the golden images anew; look at the difference before you commit it
   sample [--surfels N] [--out FILE]
                                  make the procedural sample anew
-  bench [NAME...]                run the benchmarks (all, or those whose name contains NAME)
+  bench [NAME...] [-- ARGUMENTS] run the benchmarks (all, or those of these names); ARGUMENTS go to them
 ";
 
 fn main() -> ExitCode {
