@@ -22,12 +22,11 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, ensure};
 use glam::DQuat;
-use pointstage_engine::plugins::{DiscoverOptions, Examination};
-use pointstage_engine::stage::{FrameRequest, FrameStats, SettingValue, Stage, StageOptions};
+use pointstage_engine::stage::{FrameRequest, FrameStats, SettingValue, Stage};
 use pointstage_scene::{Camera, Job, LoadOptions, Scene, load, orbit_cameras};
-use pointstage_tests::{data, program};
+use pointstage_tests::{data, program, stages};
 
 const SIZE_PX: [u32; 2] = [800, 580];
 /// Turn of the camera from frame to frame.
@@ -145,7 +144,7 @@ fn main() -> Result<()> {
 fn compare(file: &Path, cases: &[&Case]) -> Result<()> {
     let scene = scene_of(file)?;
     let surfel_count = scene.surfel_count();
-    let mut stage = open_stage()?;
+    let mut stage = stages::stage(&["points", "surfel"])?;
     let mut ours: Vec<Vec<FrameStats>> = cases.iter().map(|_| Vec::new()).collect();
     let mut peer: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut peer_name = None;
@@ -206,26 +205,6 @@ fn scene_of(file: &Path) -> Result<Arc<Scene>> {
     let mut scene = Scene::new();
     scene.add(loaded.object);
     Ok(Arc::new(scene))
-}
-
-/// A stage with the release build's plugins.
-fn open_stage() -> Result<Stage> {
-    let files = ["points", "surfel"].map(program::plugin_library);
-    let plugins = DiscoverOptions {
-        files: files.into_iter().collect::<Result<_>>()?,
-        folders: Vec::new(),
-        examination: Examination::ManifestOnly,
-        state_folder: None,
-    };
-    let options = StageOptions {
-        plugins,
-        ..StageOptions::default()
-    };
-    let stage = Stage::new(options)?;
-    if let Some(why) = stage.no_device() {
-        bail!("{why}");
-    }
-    Ok(stage)
 }
 
 /// The frames of one round that count.

@@ -55,7 +55,7 @@ impl View<Points> for PointsView {
         let request = Request {
             path: settings.path,
             auto: AutoPath::ComputeWithInt64,
-            features: settings.features(),
+            features: &settings.features(),
             extent: settings.extent(),
             uniform: bytemuck::bytes_of(&uniform),
         };

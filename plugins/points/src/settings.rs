@@ -38,13 +38,14 @@ impl PointSettings {
     }
 
     /// Features of the sprite's shader.
-    pub(crate) fn features(&self) -> &'static [&'static str] {
-        match (self.is_round, self.culls_backs) {
-            (false, false) => &[],
-            (false, true) => &["cull_backs"],
-            (true, false) => &["round"],
-            (true, true) => &["round", "cull_backs"],
-        }
+    pub(crate) fn features(&self) -> Vec<&'static str> {
+        let features = [
+            (self.is_round, "round"),
+            (self.is_attenuated, "attenuated"),
+            (self.culls_backs, "cull_backs"),
+        ];
+        let on = features.into_iter().filter(|(is_on, _)| *is_on);
+        on.map(|(_, name)| name).collect()
     }
 
     /// How large the sprites are, where the same for all.
@@ -64,7 +65,6 @@ pub(crate) struct SpriteUniform {
     pub(crate) size: f32,
     pub(crate) least_px: f32,
     pub(crate) greatest_px: f32,
-    pub(crate) is_attenuated: u32,
 }
 
 impl From<&PointSettings> for SpriteUniform {
@@ -80,7 +80,6 @@ impl From<&PointSettings> for SpriteUniform {
             // Below one pixel a sprite may fall between the pixel centres.
             least_px: least_px.clamp(1.0, greatest_px),
             greatest_px,
-            is_attenuated: settings.is_attenuated.into(),
         }
     }
 }

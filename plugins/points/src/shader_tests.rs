@@ -22,9 +22,13 @@ fn every_variant_validates_with_the_uniform_of_the_rust_side() {
         ("size", offset_of!(SpriteUniform, size)),
         ("least_px", offset_of!(SpriteUniform, least_px)),
         ("greatest_px", offset_of!(SpriteUniform, greatest_px)),
-        ("is_attenuated", offset_of!(SpriteUniform, is_attenuated)),
     ];
-    for features in [&[][..], &["round"], &["cull_backs", "direct"]] {
+    for features in [
+        &[][..],
+        &["round"],
+        &["attenuated"],
+        &["cull_backs", "direct"],
+    ] {
         for (name, wgsl) in linked_variants(&SPRITE, features).unwrap() {
             let module = validated(&name, &wgsl);
             let uniform = module

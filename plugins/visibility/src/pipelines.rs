@@ -166,6 +166,8 @@ impl Prepared {
             let group_size = self.group_size();
             let mut features = compute_features(features, kernel);
             features.extend((group_size == WIDE_GROUP).then_some("wide"));
+            let pairs = self.gpu.is_software() && kernel == Kernel::Whole;
+            features.extend(pairs.then_some("pairs"));
             let shader = self.shader(VISIBILITY_COMPUTE, &features)?;
             let pipeline = |entry_point| {
                 self.gpu.compute_pipeline(&ComputePipelineOptions {
@@ -295,7 +297,7 @@ pub fn linked_variants(
         Ok((format!("{}, raster, {features:?}", footprint.name), wgsl))
     });
     let kernels = [Kernel::Whole, Kernel::NearestDepth, Kernel::GreatestId];
-    let sizes: [&[&str]; 4] = [&[], &["small"], &["one_pixel"], &["wide"]];
+    let sizes: [&[&str]; 4] = [&[], &["small"], &["one_pixel"], &["wide", "pairs"]];
     let pairs = kernels
         .into_iter()
         .flat_map(|kernel| sizes.map(|size| (kernel, size)));

@@ -103,7 +103,10 @@ impl Composer {
         let shown = find(targets, &composition.shown.key)?;
         let uniform = uniform(composition, targets.size_px());
         let mut jobs = vec![Job {
-            pass: Pass::Compose(shown.plane_format()),
+            pass: match composition.shown.appearance {
+                Appearance::Colours => Pass::Colours,
+                _ => Pass::Compose(shown.plane_format()),
+            },
             view: &shown.view,
             uniform,
             needs_range: composition.needs_range(),

@@ -19,7 +19,9 @@ pub(super) const WORKGROUP_PX: [u32; 2] = [64, 4];
 pub(super) enum Pass {
     /// Finds the least and the greatest value in view.
     Range(PlaneFormat),
-    /// Makes a picture.
+    /// Lays colours over the background.
+    Colours,
+    /// Makes a picture of anything else.
     Compose(PlaneFormat),
     /// Copies the values.
     Read(PlaneFormat),
@@ -28,8 +30,10 @@ pub(super) enum Pass {
 impl Pass {
     /// What the target's values are.
     pub(super) const fn format(self) -> PlaneFormat {
-        let (Self::Range(format) | Self::Compose(format) | Self::Read(format)) = self;
-        format
+        match self {
+            Self::Colours => PlaneFormat::Float4,
+            Self::Range(format) | Self::Compose(format) | Self::Read(format) => format,
+        }
     }
 }
 
@@ -45,6 +49,7 @@ struct Kind {
 /// All pipelines.
 #[derive(Debug)]
 pub(super) struct Passes {
+    colours: wgpu::ComputePipeline,
     floats: Kind,
     numbers: Kind,
 }
@@ -68,7 +73,8 @@ macro_rules! pass_source {
 }
 
 /// Names, which are those of files and entry points, and sources.
-pub(super) const SOURCES: [(&str, &str); 6] = [
+pub(super) const SOURCES: [(&str, &str); 7] = [
+    ("compose_colours", pass_source!("compose_colours")),
     ("range_floats", pass_source!("range_floats")),
     ("compose_floats", pass_source!("compose_floats")),
     ("read_floats", pass_source!("read_floats")),
@@ -80,6 +86,7 @@ pub(super) const SOURCES: [(&str, &str); 6] = [
 impl Passes {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         let [
+            colours,
             range_floats,
             compose_floats,
             read_floats,
@@ -96,12 +103,14 @@ impl Passes {
                 layout,
             }
         };
+        // Depth is read as an unfilterable float: GL knows no other way.
+        let floats = kind(
+            wgpu::TextureSampleType::Float { filterable: false },
+            [range_floats, compose_floats, read_floats],
+        );
         Self {
-            // Depth is read as an unfilterable float: GL knows no other way.
-            floats: kind(
-                wgpu::TextureSampleType::Float { filterable: false },
-                [range_floats, compose_floats, read_floats],
-            ),
+            colours: pipeline(device, &floats.layout, colours),
+            floats,
             numbers: kind(
                 wgpu::TextureSampleType::Uint,
                 [range_numbers, compose_numbers, read_numbers],
@@ -116,6 +125,7 @@ impl Passes {
             PlaneFormat::Float | PlaneFormat::Float4 => &self.floats,
         };
         let pipeline = match pass {
+            Pass::Colours => &self.colours,
             Pass::Range(_) => &kind.range,
             Pass::Compose(_) => &kind.compose,
             Pass::Read(_) => &kind.read,

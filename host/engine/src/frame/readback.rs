@@ -205,7 +205,7 @@ impl Readback {
 fn row_bytes(job: &Job<'_>) -> u64 {
     let words = match job.pass {
         Pass::Read(format) => format.channels(),
-        Pass::Range(_) | Pass::Compose(_) => 1,
+        Pass::Range(_) | Pass::Colours | Pass::Compose(_) => 1,
     };
     u64::from(job.uniform.size_px[0]) * u64::from(words) * 4
 }
