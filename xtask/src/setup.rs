@@ -65,11 +65,15 @@ const WINDOW: &[Need] = &[
 
 const WAYLAND: &[Need] = &[library("libwayland-client.so.0", "libwayland-client0")];
 
-const TESTS: &[Need] = &[Need {
-    what: "Xvfb, a virtual display",
-    look: Look::Program("Xvfb"),
-    debian_package: "xvfb",
-}];
+const TESTS: &[Need] = &[
+    Need {
+        what: "Xvfb, a virtual display",
+        look: Look::Program("Xvfb"),
+        debian_package: "xvfb",
+    },
+    // Every renderer is tested over OpenGL too.
+    library("libEGL.so.1", "libegl1"),
+];
 
 /// Checks the machine and installs what is missing.
 ///

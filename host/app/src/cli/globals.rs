@@ -44,6 +44,8 @@ pub(crate) enum BackendName {
     Dx12,
     /// Metal (macOS)
     Metal,
+    /// OpenGL 4.3 or OpenGL ES 3.1, for graphics cards without Vulkan
+    Gl,
 }
 
 impl BackendName {
@@ -52,6 +54,7 @@ impl BackendName {
             Self::Vulkan => Backend::Vulkan,
             Self::Dx12 => Backend::Dx12,
             Self::Metal => Backend::Metal,
+            Self::Gl => Backend::Gl,
         }
     }
 }
@@ -92,6 +95,7 @@ impl Globals {
             BackendName::Vulkan => wgpu::Backends::VULKAN,
             BackendName::Dx12 => wgpu::Backends::DX12,
             BackendName::Metal => wgpu::Backends::METAL,
+            BackendName::Gl => wgpu::Backends::GL,
         })
     }
 }

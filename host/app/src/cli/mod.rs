@@ -7,6 +7,7 @@ mod failure;
 mod globals;
 mod info;
 mod load;
+mod named_plugins;
 mod plugins;
 mod render;
 mod stdout;
@@ -16,6 +17,7 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
+use pointstage_plugin_api::nearest::{did_you_mean, nearest_names};
 
 pub(crate) use failure::{Failure, Outcome};
 pub(crate) use globals::Globals;
@@ -46,6 +48,9 @@ Examples:
 Exit codes: 0 done, 1 failed, 2 used wrongly.
 A file that is named like a command is opened as ./render.";
 
+/// The commands' names.
+const COMMANDS: [&str; 3] = ["render", "info", "plugins"];
+
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -66,7 +71,10 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
         command,
     } = arguments;
     match command {
-        None => crate::window::open(&globals, files),
+        None => {
+            check_for_misspelt_command(&files)?;
+            crate::window::open(&globals, files)
+        }
         Some(_) if !files.is_empty() => Err(Failure::usage(format!(
             "'{}' stands before a command; put files behind it",
             files[0].display()
@@ -75,6 +83,29 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Plugins(plugins)) => plugins::run(&globals, &plugins),
     }
+}
+
+/// Refuses a word that is no file but resembles a command: it would open a window that cannot read it.
+fn check_for_misspelt_command(files: &[PathBuf]) -> Outcome {
+    for file in files {
+        let Some(word) = file.to_str() else { continue };
+        if word.contains(['.', '/', '\\']) || file.exists() {
+            continue;
+        }
+        let near = nearest_names(word, COMMANDS);
+        if COMMANDS.contains(&word) {
+            return Err(Failure::usage(format!(
+                "the command '{word}' stands behind a file; it comes first"
+            )));
+        }
+        if !near.is_empty() {
+            return Err(Failure::usage(format!(
+                "there is no file and no command '{word}'{}",
+                did_you_mean(&near)
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Sends the program's log to standard error: warnings, with `-v` what happens, with `-vv` every act.
@@ -123,6 +154,31 @@ mod tests {
     }
 
     #[test]
+    fn a_misspelt_command_is_not_opened_as_a_file() {
+        let failure = |words: &[&str]| {
+            let files: Vec<PathBuf> = words.iter().map(PathBuf::from).collect();
+            match check_for_misspelt_command(&files) {
+                Err(Failure::Usage(error)) => error.to_string(),
+                other => panic!("{words:?}: {other:?}"),
+            }
+        };
+        assert!(failure(&["rendre"]).contains("did you mean 'render'?"));
+        assert!(failure(&["a.ply", "info"]).contains("comes first"));
+        for fine in ["a.ply", "./rendre", "model"] {
+            check_for_misspelt_command(&[fine.into()]).expect("a file's name");
+        }
+    }
+
+    #[test]
+    fn the_list_of_commands_is_complete() {
+        let names: Vec<String> = Arguments::command()
+            .get_subcommands()
+            .map(|command| command.get_name().to_owned())
+            .collect();
+        assert_eq!(names, COMMANDS);
+    }
+
+    #[test]
     fn global_options_stand_before_or_behind_the_command() {
         for line in [
             ["pointstage", "--no-device", "info", "a.ply"],
@@ -137,7 +193,7 @@ mod tests {
     fn every_command_has_examples_in_its_help() {
         let mut command = Arguments::command();
         command.build();
-        for name in ["render", "info", "plugins"] {
+        for name in COMMANDS {
             let help = command
                 .find_subcommand_mut(name)
                 .expect("there is such a command")

@@ -41,7 +41,7 @@ Examples:
   pointstage plugins probe                       every plugin that is found
   pointstage plugins probe ./libmy_renderer.so   one file
 
-Ends with 1 if a file is refused.")]
+Ends with 1 if a file cannot be used.")]
 pub(crate) struct ProbeArguments {
     /// Only these files [default: all that are found]
     #[arg(value_name = "FILE")]
@@ -82,15 +82,12 @@ fn probe(globals: &Globals, arguments: &ProbeArguments) -> Outcome {
         .iter()
         .filter(|file| wanted.is_empty() || wanted.contains(&file.path))
         .collect();
-    let refused = files
-        .iter()
-        .filter(|file| !file.verdict.is_usable())
-        .count();
+    let count = files.len();
+    let usable = files.iter().filter(|file| file.verdict.is_usable()).count();
     show(files, arguments.json)?;
-    if refused > 0 {
+    if usable < count {
         return Err(Failure::Failed(anyhow::anyhow!(
-            "{refused} plugin file{} refused",
-            if refused == 1 { "" } else { "s" }
+            "{usable} of {count} plugin files can be used"
         )));
     }
     Ok(())

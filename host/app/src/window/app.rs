@@ -183,13 +183,7 @@ impl App {
         let Some(rows) = self.stage.take_rows() else {
             return;
         };
-        if self.rows.culprits != rows.culprits {
-            for text in &rows.culprits {
-                let text =
-                    format!("{text}. It is in quarantine; the Plugins tab can try it again.");
-                self.log.error(text, Instant::now());
-            }
-        }
+        self.tell_of_bad_plugins(&rows);
         self.rows = rows;
         if self.rows.renderer(&self.session.renderer).is_none()
             && let Some(first) = self.rows.first_suitable()
@@ -197,6 +191,26 @@ impl App {
             self.session.renderer = first.id.clone();
         }
         self.asking.invalidate();
+    }
+
+    /// Says once which plugins the program goes without, and why.
+    fn tell_of_bad_plugins(&mut self, rows: &Rows) {
+        let now = Instant::now();
+        if self.rows.culprits != rows.culprits {
+            for text in &rows.culprits {
+                let text =
+                    format!("{text}. It is in quarantine; the Plugins tab can try it again.");
+                self.log.error(text, now);
+            }
+        }
+        // A culprit has been told of just now.
+        let bad = rows
+            .plugins
+            .iter()
+            .filter(|row| row.severity == Severity::Error && rows.culprits.is_empty());
+        for row in bad.filter(|row| !self.rows.plugins.contains(row)) {
+            self.log.add(row.notice(), now);
+        }
     }
 
     /// Takes over the newest picture. True if another one of the same look is due: the picture refines, or its renderer is

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pointstage_engine::plugins::{
     PluginFile, PluginInfo, Remedy, Suitability, VerdictClass, suitability,
 };
-use pointstage_engine::stage::{FALLBACK_ID, Severity, Stage};
+use pointstage_engine::stage::{FALLBACK_ID, Notice, Severity, Stage};
 use pointstage_plugin_api::manifest::PluginEntry;
 use pointstage_plugin_api::settings_schema::SettingSchema;
 use pointstage_scene::Scene;
@@ -78,6 +78,18 @@ pub(crate) struct PluginRow {
     pub(crate) facts: Vec<(String, String)>,
     /// Whether trying again makes sense.
     pub(crate) can_retry: bool,
+}
+
+impl PluginRow {
+    /// The verdict as a message: the program goes on without the plugin.
+    pub(crate) fn notice(&self) -> Notice {
+        Notice {
+            severity: Severity::Warning,
+            plugin: self.title.clone(),
+            text: format!("{}: {}", self.verdict, self.message),
+            detail: self.detail.clone(),
+        }
+    }
 }
 
 /// Lists what the stage has, and what of it fits `scene`. Thread: the stage's.

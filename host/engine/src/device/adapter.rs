@@ -3,6 +3,7 @@
 use super::DeviceOptions;
 use super::errors::OpenDeviceError;
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 use wgpu::{Adapter, AdapterInfo, Backends, DeviceType, DownlevelFlags, Instance};
 
@@ -160,10 +161,11 @@ pub(super) fn choose(options: &DeviceOptions) -> Result<Adapter, OpenDeviceError
         (None, Some(backend)) => enumerate(backend.to_wgpu()),
         (None, None) => {
             let found = enumerate(Backends::all() - Backends::GL);
-            if found.iter().any(|(_, info, _)| !is_software(info)) {
+            let has_hardware = found.iter().any(|(_, info, _)| !is_software(info));
+            // GL is asked only where it may bring more, as its drivers write to the terminal.
+            if has_hardware || (!found.is_empty() && !may_have_gpu()) {
                 found
             } else {
-                // Only then, as GL drivers write to the terminal.
                 enumerate(Backends::all())
             }
         }
@@ -184,6 +186,12 @@ pub(super) fn choose(options: &DeviceOptions) -> Result<Adapter, OpenDeviceError
                 .unwrap_or_default(),
         }),
     }
+}
+
+/// Whether this machine may have a GPU that GL knows. Linux has a device file for each.
+fn may_have_gpu() -> bool {
+    let files = ["/dev/dri", "/dev/nvidiactl"];
+    !cfg!(target_os = "linux") || files.iter().any(|file| Path::new(file).exists())
 }
 
 type Found = Vec<(Adapter, AdapterInfo, Backend)>;

@@ -46,7 +46,7 @@ pub struct ViewRecord {
 #[derive(Debug, thiserror::Error)]
 pub enum ViewRecordError {
     /// The file cannot be read at all.
-    #[error("{}: the view file cannot be read; check the path and its permissions", path.display())]
+    #[error("{}: the view file cannot be read: {source}; check the path and its permissions", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -153,10 +153,15 @@ impl ViewRecord {
         struct FormatOnly {
             format: u64,
         }
-        let syntax = |error: &serde_json::Error| ViewRecordError::Syntax {
-            line: error.line(),
-            column: error.column(),
-            message: error.to_string(),
+        let syntax = |error: &serde_json::Error| {
+            let (line, column) = (error.line(), error.column());
+            let place = format!(" at line {line} column {column}");
+            let text = error.to_string();
+            ViewRecordError::Syntax {
+                line,
+                column,
+                message: text.strip_suffix(&place).unwrap_or(&text).to_owned(),
+            }
         };
         // The number first: another format may lack every other field.
         let FormatOnly { format } = serde_json::from_str(text).map_err(|error| syntax(&error))?;

@@ -1,6 +1,6 @@
 //! What a user may write where a command takes views: a stored name, a FILE, or `orbit:N`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{ViewRecord, ViewRecordError, orbit_cameras};
 use crate::bounds::Bounds;
@@ -32,7 +32,7 @@ pub enum ViewSourceError {
         text: String,
     },
     /// No view is stored under the name.
-    #[error("no view is stored under '{name}'; stored: {}", if stored.is_empty() { "none".to_owned() } else { stored.join(", ") })]
+    #[error("no view is stored under '{name}', and no file is called so; expected a FILE, orbit:N, or a stored name ({})", if stored.is_empty() { "none".to_owned() } else { stored.join(", ") })]
     NotStored {
         /// The name.
         name: String,
@@ -40,13 +40,21 @@ pub enum ViewSourceError {
         stored: Vec<String>,
     },
     /// The view's file cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}", record_text(path, source))]
     Record {
         /// The file.
         path: PathBuf,
         /// Why.
         source: ViewRecordError,
     },
+}
+
+/// The record's error with its file, named once.
+fn record_text(path: &Path, source: &ViewRecordError) -> String {
+    match source {
+        ViewRecordError::Io { .. } => source.to_string(),
+        other => format!("{}: {other}", path.display()),
+    }
 }
 
 impl ViewSource {
