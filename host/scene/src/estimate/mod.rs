@@ -4,6 +4,7 @@
 //! neighbours (`neighbours`) for what is still missing: all of a point set, or the vertices of a mesh that no face uses.
 //! What a file gave is kept. Where each column came from is noted in [`Origins`](crate::Origins).
 
+mod cell;
 mod faces;
 mod neighbours;
 mod plane;
@@ -91,8 +92,8 @@ pub(crate) enum Orientation {
 ///
 /// Normals and radii that are there are kept. From faces: the normal is the mean of the unit normals of the incident
 /// faces, the radius that of the smallest circle enclosing an incident face, the largest of them. From neighbours: the
-/// normal is that of the plane through the 16 nearest, with an arbitrary sign; the radius follows from the distance of the
-/// 8th nearest, so that the disks of a regular grid overlap.
+/// normal is that of the plane through the 16 nearest, with an arbitrary sign; the radius reaches all places that are
+/// nearest to the surfel, so that the disks leave no holes between them.
 ///
 /// Thread: any; takes about 2 s per million surfels without faces on two cores. The result is the same for any number of
 /// threads.
