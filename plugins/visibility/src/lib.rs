@@ -19,6 +19,8 @@ mod pipelines;
 mod record;
 mod rectangle;
 mod request;
+#[cfg(test)]
+mod shader_checks;
 mod targets;
 mod view;
 

@@ -1,6 +1,7 @@
 //! Every variant of every pass links and validates.
 
 use super::*;
+use crate::shader_checks::validated;
 
 /// A footprint of one pixel, for tests of the passes alone.
 const PIXEL: &str = "
@@ -32,20 +33,11 @@ fn footprint(varying: Varying) -> Footprint {
     }
 }
 
-fn validate(what: &str, wgsl: &str) {
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
-    let module = naga::front::wgsl::parse_str(wgsl)
-        .unwrap_or_else(|error| panic!("{what}: {}\n{wgsl}", error.emit_to_string(wgsl)));
-    Validator::new(ValidationFlags::all(), Capabilities::all())
-        .validate(&module)
-        .unwrap_or_else(|error| panic!("{what}: {}\n{wgsl}", error.emit_to_string(wgsl)));
-}
-
 #[test]
 fn every_visibility_variant_validates() {
     for varying in [Varying::Flat, Varying::Linear] {
         for (name, wgsl) in linked_variants(&footprint(varying), &[]).unwrap() {
-            validate(&name, &wgsl);
+            validated(&name, &wgsl);
         }
     }
 }
@@ -54,10 +46,10 @@ fn every_visibility_variant_validates() {
 fn every_set_of_targets_shades() {
     for set in TargetSet::each() {
         let wgsl = link_shading(Source::Pixels, set).unwrap();
-        validate(&format!("pixels {set:?}"), &wgsl);
+        validated(&format!("pixels {set:?}"), &wgsl);
         let colours_only = !set.has_depth() && set.formats().next().is_some();
         if colours_only {
-            validate(
+            validated(
                 &format!("ids {set:?}"),
                 &link_shading(Source::Ids, set).unwrap(),
             );
