@@ -95,7 +95,7 @@ pub(crate) enum Orientation {
 /// normal is that of the plane through the 16 nearest, with an arbitrary sign; the radius reaches all places that are
 /// nearest to the surfel, so that the disks leave no holes between them.
 ///
-/// Thread: any; takes about 2 s per million surfels without faces on two cores. The result is the same for any number of
+/// Thread: any; takes about 1 s per million surfels without faces on two cores. The result is the same for any number of
 /// threads.
 ///
 /// # Errors

@@ -72,7 +72,7 @@ pub(super) fn complete(
     job.set_stage("estimating normals and radii from neighbours");
     let done = AtomicUsize::new(0);
     // In the order of the tree, where the neighbours of one point are mostly those of the one before.
-    let pieces: Vec<Vec<Estimate>> = tree
+    let mut estimates: Vec<Vec<Estimate>> = tree
         .points()
         .par_chunks(POINTS_A_PIECE)
         .map(|points| {
@@ -85,7 +85,7 @@ pub(super) fn complete(
         })
         .collect::<Result<_, Cancelled>>()?;
     drop(tree);
-    let mut estimates: Vec<Estimate> = pieces.into_iter().flatten().collect();
+    job.check()?;
     bound_radii(&mut estimates, geometry, warnings);
     write(geometry, &estimates, warnings);
     Ok(())
@@ -136,7 +136,7 @@ fn estimate(tree: &Tree, point: &TreePoint) -> Estimate {
 }
 
 /// Gives radii to points whose neighbours all coincide with them, and bounds those of lone points.
-fn bound_radii(estimates: &mut [Estimate], geometry: &Geometry, warnings: &mut Warnings) {
+fn bound_radii(estimates: &mut [Vec<Estimate>], geometry: &Geometry, warnings: &mut Warnings) {
     let known = geometry
         .blocks
         .iter()
@@ -144,6 +144,7 @@ fn bound_radii(estimates: &mut [Estimate], geometry: &Geometry, warnings: &mut W
         .map(|surfel| surfel[3]);
     let mut radii: Vec<f32> = estimates
         .iter()
+        .flatten()
         .map(|estimate| estimate.radius)
         .chain(known)
         .filter(|radius| *radius > 0.0)
@@ -155,7 +156,7 @@ fn bound_radii(estimates: &mut [Estimate], geometry: &Geometry, warnings: &mut W
         let middle = radii.len() / 2;
         *radii.select_nth_unstable_by(middle, f32::total_cmp).1
     };
-    for estimate in estimates {
+    for estimate in estimates.iter_mut().flatten() {
         estimate.radius = if estimate.radius > 0.0 {
             estimate.radius.min(MOST_MEDIANS * median)
         } else {
@@ -164,7 +165,7 @@ fn bound_radii(estimates: &mut [Estimate], geometry: &Geometry, warnings: &mut W
     }
 }
 
-fn write(geometry: &mut Geometry, estimates: &[Estimate], warnings: &mut Warnings) {
+fn write(geometry: &mut Geometry, estimates: &[Vec<Estimate>], warnings: &mut Warnings) {
     let is_mesh = geometry.triangles.is_some();
     let Geometry {
         blocks, origins, ..
@@ -181,7 +182,7 @@ fn write(geometry: &mut Geometry, estimates: &[Estimate], warnings: &mut Warning
             (Arc::make_mut(normals), surfels)
         })
         .collect();
-    for estimate in estimates {
+    for estimate in estimates.iter().flatten() {
         let (block, inside) = place_of(estimate.surfel);
         let (normals, surfels) = &mut columns[block];
         if normals[inside] == NO_NORMAL {
@@ -194,7 +195,8 @@ fn write(geometry: &mut Geometry, estimates: &[Estimate], warnings: &mut Warning
         }
     }
     if is_mesh {
-        warnings.add(WarningKind::IsolatedVertices, estimates.len() as u64);
+        let count: usize = estimates.iter().map(Vec::len).sum();
+        warnings.add(WarningKind::IsolatedVertices, count as u64);
     }
     for (provenance, kind, count) in [
         (

@@ -82,6 +82,7 @@ pub(super) fn read(file: &Source, options: LoadOptions, job: &Job) -> Result<Ply
     } = build(&roles, row_count, options.winding, job, &mut warnings)?;
     drop(roles);
     drop(tables);
+    file.release(0..file.len());
     let surfel_count = blocks.iter().map(crate::geometry::Block::len).sum();
     let mut geometry = Geometry {
         blocks,

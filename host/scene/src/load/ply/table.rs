@@ -208,6 +208,7 @@ impl<const N: usize> Piece<N> {
 }
 
 /// Writes `value` as `scalar` in native byte order at the start of `out`; integers saturate.
+#[inline]
 pub(super) fn write_native(scalar: ScalarType, value: f64, out: &mut [u8]) {
     with_scalar_type!(scalar, Scalar => {
         let bytes = (value as Scalar).to_ne_bytes();
