@@ -180,7 +180,10 @@ mod tests {
             .unwrap()
             .resolve(&Bounds::EMPTY, [8, 8], &stored)
             .expect_err("not stored");
-        assert!(error.to_string().contains("stored: front"), "{error}");
+        assert!(
+            error.to_string().contains("a stored name (front)"),
+            "{error}"
+        );
     }
 
     #[test]
