@@ -14,6 +14,7 @@ mod input;
 mod log;
 mod session;
 mod state;
+mod watching;
 
 pub use display::Display;
 pub use session::Window;

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::process::{Child, ExitStatus, Stdio};
 
 use anyhow::{Context as _, Result, bail};
-use image::RgbaImage;
 use wait_timeout::ChildExt as _;
 use x11rb::connection::Connection as _;
 use x11rb::protocol::xproto::{
@@ -15,22 +14,21 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 
 use super::log::Log;
-use super::state::{State, Widget};
-use super::{Display, TIME_LIMIT, capture, drop, input, wait_for};
-use crate::golden;
+use super::state::State;
+use super::{Display, TIME_LIMIT, drop, input, wait_for};
 use crate::program::Program;
 
 /// The program's window. The program is ended with this value if it still runs.
 pub struct Window {
-    child: Child,
+    pub(super) child: Child,
     log: Log,
     /// Number of the first line of the log that [`Window::wait_for_log`] has not passed yet.
     unread: usize,
-    connection: RustConnection,
-    root: WindowId,
+    pub(super) connection: RustConnection,
+    pub(super) root: WindowId,
     id: WindowId,
     /// Where the program writes what it shows.
-    state_path: PathBuf,
+    pub(super) state_path: PathBuf,
 }
 
 impl Window {
@@ -118,93 +116,6 @@ impl Window {
         };
         self.unread = number + 1;
         Ok(line)
-    }
-
-    /// Waits until the window's state is one of which `accept` makes something, and returns that.
-    ///
-    /// # Errors
-    /// When the program ends, or shows no such state in time; the message holds the last state and names a picture.
-    pub fn wait_for_state<T>(
-        &mut self,
-        what: &str,
-        mut accept: impl FnMut(&State) -> Option<T>,
-    ) -> Result<T> {
-        let found = wait_for(|| {
-            self.must_run()?;
-            Ok(self.state()?.as_ref().and_then(&mut accept))
-        })?;
-        if let Some(found) = found {
-            return Ok(found);
-        }
-        bail!("waited in vain for {what}; {}", self.last_words()?)
-    }
-
-    /// Waits until the picture is the final one of what the session holds, and `accept` says yes to the state.
-    ///
-    /// # Errors
-    /// As for [`Window::wait_for_state`].
-    pub fn settle(&mut self, what: &str, accept: impl Fn(&State) -> bool) -> Result<State> {
-        self.wait_for_state(what, |state| {
-            (state.is_settled() && accept(state)).then(|| state.clone())
-        })
-    }
-
-    /// Waits for the widget of this role and name that can be used, and returns it.
-    ///
-    /// # Errors
-    /// As for [`Window::wait_for_state`].
-    pub fn find(&mut self, role: &str, name: &str) -> Result<Widget> {
-        self.wait_for_state(&format!("a {role} '{name}'"), |state| {
-            state.widget(role, name).filter(|widget| widget.is_enabled)
-        })
-    }
-
-    /// Clicks at the middle of the widget of this role and name, once it is there.
-    ///
-    /// # Errors
-    /// As for [`Window::wait_for_state`].
-    pub fn click_on(&mut self, role: &str, name: &str) -> Result<()> {
-        let (x, y) = self.find(role, name)?.middle();
-        self.point_at(x, y)?;
-        let releases = self.wait_for_state("the pointer", |state| {
-            state.has_pointer_at(x, y).then(|| state.releases())
-        })?;
-        self.click(x, y, 1)?;
-        // The window takes all that came since its last pass to be where the pointer is by then: it must not move on before.
-        self.wait_for_state("the click", |state| {
-            (state.releases() > releases).then_some(())
-        })
-    }
-
-    /// The part of the display that the picture takes.
-    ///
-    /// # Errors
-    /// As for [`Window::wait_for_state`].
-    pub fn capture_picture(&mut self) -> Result<RgbaImage> {
-        let [left, top, right, bottom] = self.find("Image", "Picture")?.rect.map(i32::from);
-        let sides = [left, top, right - left, bottom - top];
-        let [x, y, width, height] = sides.map(|side| u32::try_from(side).unwrap_or_default());
-        let all = self.capture()?;
-        Ok(image::imageops::crop_imm(&all, x, y, width, height).to_image())
-    }
-
-    /// For the message of a test that failed: a file with what the display shows, the program's log, and its state.
-    fn last_words(&self) -> Result<String> {
-        let name = format!("failed_{}.png", self.child.id());
-        let picture = golden::output_folder().join("window").join(name);
-        golden::write(&self.capture()?, &picture)?;
-        let state = self
-            .state()?
-            .map_or_else(String::new, |state| state.describe());
-        Ok(format!(
-            "see {}; the program said:\n{}\nand showed:\n{state}",
-            picture.display(),
-            self.said()
-        ))
-    }
-
-    fn state(&self) -> Result<Option<State>> {
-        State::read(&self.state_path)
     }
 
     /// Everything that the program has written.
@@ -299,37 +210,6 @@ impl Window {
         drop::drop_files(&self.connection, self.root, self.id, files, (x, y))
     }
 
-    /// What the display shows now.
-    ///
-    /// # Errors
-    /// When the display is gone.
-    pub fn capture(&self) -> Result<RgbaImage> {
-        capture::capture(&self.connection, self.root)
-    }
-
-    /// Waits until the part of the display with the picture is one of which `accept` says yes, and returns it.
-    ///
-    /// # Errors
-    /// When it never is; the message names a file with what the display showed last.
-    pub fn wait_for_picture(
-        &mut self,
-        what: &str,
-        mut accept: impl FnMut(&RgbaImage) -> bool,
-    ) -> Result<RgbaImage> {
-        let found = wait_for(|| {
-            self.must_run()?;
-            let picture = self.capture_picture()?;
-            Ok(accept(&picture).then_some(picture))
-        })?;
-        match found {
-            Some(picture) => Ok(picture),
-            None => bail!(
-                "waited in vain for the picture '{what}'; {}",
-                self.last_words()?
-            ),
-        }
-    }
-
     /// Gives the window another size.
     ///
     /// # Errors
@@ -378,7 +258,7 @@ impl Window {
         Ok(self.child.try_wait()?.is_none())
     }
 
-    fn must_run(&mut self) -> Result<()> {
+    pub(super) fn must_run(&mut self) -> Result<()> {
         match self.child.try_wait()? {
             None => Ok(()),
             Some(status) => bail!("the program ended ({status}) and said:\n{}", self.said()),

@@ -11,10 +11,12 @@ pub(crate) fn keys_ui(ctx: &Context, out: &mut Intents) {
     Window::new("Keys and mouse")
         .open(&mut is_open)
         .anchor(Align2::CENTER_CENTER, egui::Vec2::ZERO)
-        .resizable(false)
+        .auto_sized()
         .collapsible(false)
         .show(ctx, |ui| {
-            ScrollArea::vertical().show(ui, |ui| {
+            // All of them, unless the window is lower than the list.
+            let height = ctx.content_rect().height() - 80.0;
+            ScrollArea::vertical().max_height(height).show(ui, |ui| {
                 Grid::new("keys")
                     .striped(true)
                     .num_columns(2)

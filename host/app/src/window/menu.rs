@@ -1,6 +1,6 @@
 //! The menu bar.
 
-use egui::{Button, KeyboardShortcut, MenuBar, Ui};
+use egui::{Button, KeyboardShortcut, MenuBar, ThemePreference, Ui};
 use pointstage_engine::stage::Show;
 use pointstage_scene::Camera;
 
@@ -67,7 +67,7 @@ fn item(
 ) {
     let mut button = Button::new(name);
     if let Some(shortcut) = shortcut {
-        button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
+        button = button.shortcut_text(shortcut_text(ui, shortcut));
     }
     if ui.add(button).clicked() {
         out.push(intent);
@@ -194,13 +194,33 @@ fn window_ui(ui: &mut Ui, menu: &Menu<'_>, out: &mut Intents) {
         ("Log", menu.is_log_open, Part::Log, shortcuts::LOG),
     ];
     for (name, is_open, part, shortcut) in panels {
-        let shortcut_text = ui.ctx().format_shortcut(&shortcut);
-        let button = Button::selectable(is_open, name).shortcut_text(shortcut_text);
+        let shortcut = shortcut_text(ui, shortcut);
+        let button = Button::selectable(is_open, name).shortcut_text(shortcut);
         if ui.add(button).clicked() {
             out.push(Intent::Toggle(part));
             ui.close();
         }
     }
     ui.separator();
-    egui::widgets::global_theme_preference_buttons(ui);
+    ui.menu_button("Theme", theme_ui);
+}
+
+fn theme_ui(ui: &mut Ui) {
+    let chosen = ui.ctx().options(|options| options.theme_preference);
+    let themes = [
+        (ThemePreference::System, "As the system"),
+        (ThemePreference::Light, "Light"),
+        (ThemePreference::Dark, "Dark"),
+    ];
+    for (theme, name) in themes {
+        if ui.radio(theme == chosen, name).clicked() {
+            ui.ctx().set_theme(theme);
+            ui.close();
+        }
+    }
+}
+
+/// A shortcut as it stands in menus. The toolkit spells out signs that its font lacks, and one that it has.
+fn shortcut_text(ui: &Ui, shortcut: KeyboardShortcut) -> String {
+    ui.ctx().format_shortcut(&shortcut).replace("Comma", ",")
 }

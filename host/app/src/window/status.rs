@@ -2,12 +2,15 @@
 
 use std::time::Duration;
 
-use egui::{Layout, Ui};
+use egui::{Align, Label, Layout, RichText, Ui};
 use pointstage_engine::stage::{FrameStats, Preparing, Severity};
 
 use super::intent::{Intent, Intents, Part};
 use super::log::Log;
 use super::theme;
+
+/// Width below which the adapter is left out, points.
+const LEAST_ADAPTER_WIDTH: f32 = 60.0;
 
 /// What the bar shows.
 pub(crate) struct Status<'a> {
@@ -27,36 +30,54 @@ pub(crate) struct Status<'a> {
     pub(crate) log: &'a Log,
 }
 
-/// The bar.
+/// The bar: counts and times on the left, the adapter and the log on the right.
 pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
     ui.horizontal(|ui| {
-        if let Some(stats) = status.stats {
-            numbers_ui(ui, stats, status.drawn_by);
-        } else {
-            ui.weak("No picture yet");
-        }
-        if let Some(preparing) = status.preparing {
-            ui.separator();
-            ui.spinner();
-            ui.label(format!(
-                "Preparing {}: {} ({:.0} %)",
-                preparing.id,
-                preparing.stage,
-                preparing.fraction * 100.0
-            ));
-        }
-        if let Some(progress) = status.refining {
-            ui.separator();
-            ui.label(format!("Refining: {:.0} %", progress * 100.0));
-        }
-        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+        // From the right, so that what does not fit is cut on the left of what must.
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             log_button_ui(ui, status.log, out);
             ui.separator();
-            let adapter = ui.weak(status.adapter);
-            if let Some(reason) = status.no_device {
-                adapter.on_hover_text(reason);
-            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                picture_ui(ui, status);
+                if ui.available_width() > LEAST_ADAPTER_WIDTH {
+                    adapter_ui(ui, status);
+                }
+            });
         });
+    });
+}
+
+/// The picture's numbers, and what is still under way.
+fn picture_ui(ui: &mut Ui, status: &Status<'_>) {
+    if let Some(stats) = status.stats {
+        numbers_ui(ui, stats, status.drawn_by);
+    } else {
+        ui.weak("No picture yet");
+    }
+    if let Some(preparing) = status.preparing {
+        ui.separator();
+        ui.spinner();
+        ui.label(format!(
+            "Preparing {}: {} ({:.0} %)",
+            preparing.id,
+            preparing.stage,
+            preparing.fraction * 100.0
+        ));
+    }
+    if let Some(progress) = status.refining {
+        ui.separator();
+        ui.label(format!("Refining: {:.0} %", progress * 100.0));
+    }
+}
+
+/// The adapter, at the right end of what is left.
+fn adapter_ui(ui: &mut Ui, status: &Status<'_>) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let text = RichText::new(status.adapter).weak();
+        let adapter = ui.add(Label::new(text).truncate());
+        if let Some(reason) = status.no_device {
+            adapter.on_hover_text(reason);
+        }
     });
 }
 
@@ -125,9 +146,9 @@ fn log_button_ui(ui: &mut Ui, log: &Log, out: &mut Intents) {
         ),
     };
     let rich = if errors > 0 {
-        egui::RichText::new(text).color(theme::severity_color(ui, Severity::Error))
+        RichText::new(text).color(theme::severity_color(ui, Severity::Error))
     } else {
-        egui::RichText::new(text)
+        RichText::new(text)
     };
     if ui.button(rich).clicked() {
         out.push(Intent::Toggle(Part::Log));

@@ -3,9 +3,8 @@
 use egui::{Color32, RichText, Ui};
 use pointstage_engine::stage::Severity;
 
-/// Sets the style once, at start: the system's light or dark theme, a visible keyboard focus.
+/// Sets the style of the light and the dark theme once, at start. Which of them is shown, the system says, or the Window menu.
 pub(crate) fn apply(ctx: &egui::Context) {
-    ctx.set_theme(egui::ThemePreference::System);
     ctx.all_styles_mut(|style| {
         style.spacing.item_spacing = egui::vec2(8.0, 5.0);
         style.spacing.slider_width = 120.0;
@@ -14,6 +13,10 @@ pub(crate) fn apply(ctx: &egui::Context) {
         style.visuals.widgets.noninteractive.fg_stroke.color =
             Color32::from_gray(if is_dark { 205 } else { 40 });
         style.visuals.weak_text_alpha = 0.75;
+        if !is_dark {
+            // Empty check boxes and white colours are hard to see on white.
+            style.visuals.widgets.inactive.bg_fill = Color32::from_gray(190);
+        }
         // Tooltips explain settings: they may be read in peace.
         style.interaction.tooltip_delay = 0.4;
     });

@@ -25,13 +25,13 @@ const TABS: [(Tab, &str); 5] = [
 ];
 
 /// Width of a row's label, points.
-const LABEL_WIDTH: f32 = 108.0;
+const LABEL_WIDTH: f32 = 96.0;
 
 /// Width kept free at a row's end for 'reset', points: what is edited must not change the panel's width.
-const RESET_WIDTH: f32 = 48.0;
+const RESET_WIDTH: f32 = 46.0;
 
-/// Width of the number beside a slider, points: nine characters.
-const NUMBER_WIDTH: f32 = 76.0;
+/// Width of the number beside a slider, points: `16.00 px`.
+const NUMBER_WIDTH: f32 = 66.0;
 
 /// The least width of a slider, points.
 const LEAST_SLIDER_WIDTH: f32 = 40.0;

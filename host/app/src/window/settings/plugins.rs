@@ -1,6 +1,7 @@
 //! The *Plugins* tab: every plugin file found, what came of it, and another try for the quarantined.
 
 use egui::{ScrollArea, Ui};
+use pointstage_engine::stage::Severity;
 
 use crate::window::intent::{Intent, Intents};
 use crate::window::rows::PluginRow;
@@ -22,7 +23,11 @@ pub(crate) fn plugins_ui(ui: &mut Ui, plugins: &[PluginRow], out: &mut Intents) 
 fn plugin_ui(ui: &mut Ui, plugin: &PluginRow, out: &mut Intents) {
     ui.horizontal_wrapped(|ui| {
         ui.strong(&plugin.title);
-        ui.colored_label(theme::severity_color(ui, plugin.severity), &plugin.verdict);
+        if plugin.severity == Severity::Info {
+            ui.weak(&plugin.verdict);
+        } else {
+            ui.colored_label(theme::severity_color(ui, plugin.severity), &plugin.verdict);
+        }
         if plugin.can_retry {
             let retry = ui.small_button("Try again");
             if retry
