@@ -1,4 +1,7 @@
 //! Numbers from text: fast for what files hold, exact for all.
+//!
+//! Everything is read as f64. A column of f32 rounds a second time, which gives another f32 than rounding once only for
+//! numbers of more than 15 digits that lie within 2⁻⁵³ of the middle between two; what prints an f32 never writes one.
 
 /// Powers of ten that f64 holds exactly.
 const EXACT_POWERS: [f64; 23] = [
