@@ -9,7 +9,6 @@ use std::path::PathBuf;
 
 use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, Event, FullOutput, Plugin, RawInput};
-use pointstage_engine::stage::Severity;
 use pointstage_scene::ViewRecord;
 use serde_json::{Map, Value, json};
 
@@ -180,20 +179,12 @@ impl App {
                 "progress": task.job.progress(),
             })).collect::<Vec<_>>(),
             "messages": messages.map(|entry| json!({
-                "severity": severity(entry.notice.severity),
+                "severity": super::log::word(entry.notice.severity).to_lowercase(),
                 "plugin": entry.notice.plugin,
                 "text": entry.notice.text,
             })).collect::<Vec<_>>(),
             "adapter": self.stage.adapter(),
         })
-    }
-}
-
-fn severity(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-        Severity::Info => "note",
     }
 }
 

@@ -1,121 +1,18 @@
 //! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
 
+mod desk;
+
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, ensure};
-use image::RgbaImage;
-use pointstage_tests::compare::{Difference, compare};
-use pointstage_tests::program::Program;
-use pointstage_tests::scenes;
-use pointstage_tests::window::{Display, State, Window};
+use anyhow::{Context as _, Result};
+use pointstage_tests::program::{self, Program};
+use pointstage_tests::window::{Display, State};
+use pointstage_tests::{plugins, scenes};
 
-const POINTS: &str = "org.pointstage.points";
+use desk::{Desk, POINTS, coloured, difference, same, sphere};
+
 const SURFEL: &str = "org.pointstage.surfel";
 const FALLBACK: &str = "pointstage.fallback";
-
-/// Size of the display and the window, px: the settings fit without scrolling.
-const SIZE: (u16, u16) = (1100, 720);
-
-/// The program, its window, and files for it. The display goes last.
-struct Desk {
-    window: Window,
-    program: Program,
-    _display: Display,
-}
-
-impl Desk {
-    /// Opens the window with a sphere on the stage. `None` where there is no virtual display.
-    fn with_sphere() -> Result<Option<Self>> {
-        let program = Program::find()?;
-        let sphere = sphere(program.home())?;
-        let Some(mut desk) = Self::open(program, &[sphere.as_os_str()])? else {
-            return Ok(None);
-        };
-        desk.window.settle("the sphere", |state| {
-            state.objects() == ["sphere"] && state.session("drawn_by") == POINTS
-        })?;
-        Ok(Some(desk))
-    }
-
-    fn open(program: Program, arguments: &[&std::ffi::OsStr]) -> Result<Option<Self>> {
-        let (width, height) = SIZE;
-        let Some(display) = Display::start(width, height)? else {
-            return Ok(None);
-        };
-        let window = Window::open(&display, &program, arguments)?;
-        window.resize(u32::from(width), u32::from(height))?;
-        Ok(Some(Self {
-            window,
-            program,
-            _display: display,
-        }))
-    }
-
-    /// Waits until the display shows a picture that `accept` says yes to.
-    fn wait_for_picture(
-        &mut self,
-        what: &str,
-        accept: impl Fn(&RgbaImage) -> bool,
-    ) -> Result<RgbaImage> {
-        self.window.wait_for_picture(what, accept)
-    }
-
-    /// Turns the scene with the pointer.
-    fn turn(&mut self) -> Result<()> {
-        let before = self
-            .window
-            .wait_for_state("a view", |state| Some(state.session("view").clone()))?;
-        self.window.drag_until((370, 360), (470, 420), 1, |state| {
-            *state.session("view") != before
-        })
-    }
-
-    /// The file menu's way: the field for a path, typed to and entered.
-    fn type_path(&mut self, path: &Path) -> Result<()> {
-        self.window.click_on("Button", "File")?;
-        self.window.click_on("Button", "Open path… Ctrl+Shift+O")?;
-        self.window.find("TextInput", "Path of a PLY file:")?;
-        self.window.type_text(
-            path.to_str()
-                .context("temporary folders have plain names")?,
-        )?;
-        self.window.wait_for_state("the typed path", |state| {
-            let field = state.widget("TextInput", "Path of a PLY file:")?;
-            (field.value == path.to_str()?).then_some(())
-        })?;
-        self.window.press_keys("Return")
-    }
-
-    /// Ends the session as a person would, and asks that it ends well.
-    fn close(self) -> Result<()> {
-        let said = self.window.said();
-        let status = self.window.close()?;
-        ensure!(status.success(), "{status}; it said:\n{said}");
-        Ok(())
-    }
-}
-
-fn sphere(folder: &Path) -> Result<PathBuf> {
-    scenes::write(folder, "sphere", &scenes::sphere(3000, 1.0))
-}
-
-/// Pixels of a colour: the scenes are coloured, the background is nearly grey.
-fn coloured(picture: &RgbaImage) -> usize {
-    let is_coloured = |pixel: &image::Rgba<u8>| {
-        let [red, green, blue, _] = pixel.0;
-        red.max(green).max(blue) - red.min(green).min(blue) > 40
-    };
-    picture.pixels().filter(|pixel| is_coloured(pixel)).count()
-}
-
-fn difference(a: &RgbaImage, b: &RgbaImage) -> Difference {
-    compare(a, b).expect("the picture keeps its place in the window")
-}
-
-/// Whether two pictures show the same: a frame around the one that has the keyboard is allowed for.
-fn same(a: &RgbaImage, b: &RgbaImage) -> bool {
-    difference(a, b).psnr_db > 30.0
-}
 
 /// What a change of the renderer must not touch.
 fn kept(state: &State) -> [&serde_json::Value; 3] {
@@ -367,6 +264,24 @@ fn without_a_device_the_built_in_renderer_draws_and_the_panel_says_why() -> Resu
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_plugin_that_crashes_when_it_is_loaded_is_named_and_the_rest_works() -> Result<()> {
+    let program = Program::find()?;
+    let sphere = sphere(program.home())?;
+    let plugin = plugins::on_load("segfault", program.home())?;
+    let arguments = ["--plugin".as_ref(), plugin.as_os_str(), sphere.as_os_str()];
+    let Some(mut desk) = Desk::open(program, &arguments)? else {
+        return Ok(());
+    };
+    desk.window.settle("the sphere and the message", |state| {
+        state.session("drawn_by") == POINTS && state.shows("quarantined (crash)")
+    })?;
+    desk.window.click_on("Tab", "Plugins")?;
+    desk.window.find("Button", "Try again")?;
+    desk.close()
+}
+
+#[test]
 fn where_no_window_can_open_the_program_says_what_to_install() -> Result<()> {
     let Some(display) = Display::start(320, 240)? else {
         return Ok(());
@@ -381,8 +296,7 @@ fn where_no_window_can_open_the_program_says_what_to_install() -> Result<()> {
     ] {
         command.env(name, "/nowhere");
     }
-    let finished =
-        pointstage_tests::program::finish(command, pointstage_tests::program::TIME_LIMIT)?;
+    let finished = program::finish(command, program::TIME_LIMIT)?;
     assert_eq!(finished.code(), Some(1), "{}", finished.stderr);
     let said = finished.stderr.trim();
     assert!(
