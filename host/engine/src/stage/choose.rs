@@ -49,15 +49,11 @@ impl Stage {
                 Ok((drawer, Some(preparing)))
             }
             Ok((info, Standing::Failed(source))) => {
-                let told = self.renderers.get_mut(&info.id).and_then(|instance| {
-                    instance.watch = None;
-                    instance.told.replace(source.clone())
-                });
-                let error = FrameError::Plugin {
-                    plugin: info.id.clone(),
-                    source: source.clone(),
-                };
-                self.stand_in(request, &info.id, error, told.as_ref() != Some(&source))
+                let instance = self.renderers.get_mut(&info.id);
+                let is_new = instance.is_none_or(|instance| instance.note_failure(&source));
+                let plugin = info.id.clone();
+                let error = FrameError::Plugin { plugin, source };
+                self.stand_in(request, &info.id, error, is_new)
             }
             Err(error) => self.stand_in(request, &request.renderer, error, true),
         }
@@ -134,11 +130,9 @@ impl Stage {
                 return Ok((selecting, Some(preparing)));
             }
             Ok((info, Standing::Failed(source))) => {
-                let told = self.structures.get_mut(&info.id).and_then(|instance| {
-                    instance.watch = None;
-                    instance.told.replace(source.clone())
-                });
-                if told.as_ref() == Some(&source) && request.patience != Patience::Wait {
+                let instance = self.structures.get_mut(&info.id);
+                let is_new = instance.is_none_or(|instance| instance.note_failure(&source));
+                if !is_new && request.patience != Patience::Wait {
                     return Ok((None, None));
                 }
                 let plugin = info.id.clone();

@@ -125,7 +125,7 @@ impl<P> Default for Slot<P> {
 pub(super) enum Standing<P> {
     /// Prepared for just this.
     Ready(Arc<Ready<P>>),
-    /// Under way: fraction and stage; and the last good one, if its scene still has the same objects on the device.
+    /// Under way: fraction and stage.
     Preparing(f32, String),
     /// It failed for just this.
     Failed(Error),

@@ -125,6 +125,12 @@ impl<P: Product> Instance<P> {
         self.watch = None;
     }
 
+    /// Notes that the preparation failed in a way that was survived; whether that is still to be told.
+    pub(super) fn note_failure(&mut self, error: &PluginError) -> bool {
+        self.watch = None;
+        self.told.replace(error.clone()).as_ref() != Some(error)
+    }
+
     /// Forgets a failure, so that the next frame tries again.
     pub(super) fn retry(&mut self) {
         self.slot.retry();

@@ -11,7 +11,7 @@ use crate::gpu::{GpuService, Owner};
 use crate::plugins::{Factory, PluginInfo, Registry, Watch};
 use pointstage_plugin_api::Error as PluginError;
 use pointstage_plugin_api::abi::{HostRef, RendererBox, StructureBox};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -288,14 +288,6 @@ impl Stage {
             height,
             what,
         })
-    }
-
-    /// What plugins reported of themselves, by renderer, for tests.
-    pub fn prepared_renderers(&self) -> BTreeMap<String, bool> {
-        self.renderers
-            .iter()
-            .map(|(id, instance)| (id.clone(), instance.slot.last_good().is_some()))
-            .collect()
     }
 }
 
