@@ -1,24 +1,13 @@
 //! Small files made for one question each: what the loader must read, drop, count or refuse.
 
 mod support;
+#[path = "support/texts.rs"]
+mod texts;
 
 use glam::{DVec3, Vec3};
-use pointstage_scene::{
-    Estimation, FaceRadius, LoadOptions, Loaded, Provenance, WarningKind, Winding,
-};
+use pointstage_scene::{LoadOptions, Loaded, Provenance, WarningKind, Winding};
 use support::load_bytes;
-
-const FILE_ONLY: LoadOptions = LoadOptions {
-    estimation: Estimation::FileOnly,
-    face_radius: FaceRadius::EnclosingCircle,
-    winding: Winding::AsInFile,
-};
-
-/// Loads a text body under a header of `elements`, without estimation.
-fn text(elements: &str, body: &str) -> Result<Loaded, String> {
-    let file = format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{body}");
-    load_bytes(file.as_bytes(), FILE_ONLY).map_err(|error| error.to_string())
-}
+use texts::{FILE_ONLY, XYZ, text, world};
 
 fn binary(elements: &str, body: &[u8]) -> Result<Loaded, String> {
     let mut file =
@@ -26,17 +15,6 @@ fn binary(elements: &str, body: &[u8]) -> Result<Loaded, String> {
     file.extend_from_slice(body);
     load_bytes(&file, FILE_ONLY).map_err(|error| error.to_string())
 }
-
-fn world(loaded: &Loaded, surfel: usize) -> DVec3 {
-    loaded.object.origin
-        + loaded
-            .object
-            .geometry
-            .centre(surfel)
-            .expect("the surfel exists")
-}
-
-const XYZ: &str = "property float x\nproperty float y\nproperty float z";
 
 #[test]
 fn headers_that_lie_are_refused_with_place_and_counts() {

@@ -1,35 +1,14 @@
 //! Bodies of text: where rows and words end, over the borders of the pieces that threads share too.
 
 mod support;
+#[path = "support/texts.rs"]
+mod texts;
 
 use std::fmt::Write as _;
 
 use glam::DVec3;
-use pointstage_scene::{Estimation, FaceRadius, LoadOptions, Loaded, Winding};
 use support::load_bytes;
-
-const FILE_ONLY: LoadOptions = LoadOptions {
-    estimation: Estimation::FileOnly,
-    face_radius: FaceRadius::EnclosingCircle,
-    winding: Winding::AsInFile,
-};
-
-/// Loads a text body under a header of `elements`, without estimation.
-fn text(elements: &str, body: &str) -> Result<Loaded, String> {
-    let file = format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{body}");
-    load_bytes(file.as_bytes(), FILE_ONLY).map_err(|error| error.to_string())
-}
-
-fn world(loaded: &Loaded, surfel: usize) -> DVec3 {
-    loaded.object.origin
-        + loaded
-            .object
-            .geometry
-            .centre(surfel)
-            .expect("the surfel exists")
-}
-
-const XYZ: &str = "property float x\nproperty float y\nproperty float z";
+use texts::{FILE_ONLY, XYZ, text, world};
 
 #[test]
 fn words_that_are_no_numbers_are_placed() {
