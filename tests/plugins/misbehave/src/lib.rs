@@ -113,4 +113,6 @@ pointstage_plugin_api::export! { "plugin.json", renderers: [
     Faulty<ABORT_RENDER>,
     gpu::BadWgsl, gpu::Recorded<{ gpu::DRAW_OUTSIDE_PASS }>, gpu::Recorded<{ gpu::NO_PIPELINE }>,
     gpu::Recorded<{ gpu::STALE_HANDLE }>, gpu::Recorded<{ gpu::UNENDED_PASS }>, gpu::Greedy, gpu::Huge,
-], structures: [structure::Aborting, structure::Panicking] }
+], structures: [
+    structure::Faulty<{ structure::ABORT_PREPARE }>, structure::Faulty<{ structure::PANIC_SELECT }>,
+] }

@@ -1,50 +1,21 @@
-//! Structures that end the process, or fail while they select.
+//! One structure per fault.
 
 use pointstage_plugin_api::OwnBlock;
 use pointstage_plugin_api::prelude::*;
 
 /// Ends the process while it is prepared.
-pub struct Aborting;
-
-/// Its selector, which there never is.
-pub struct AbortingSelector;
-
-impl Structure for Aborting {
-    type Selector = AbortingSelector;
-
-    fn prepare(
-        _: &Host,
-        _: Scene<'_>,
-        _: Option<(&Self, Changes<'_>)>,
-        _: Settings<'_>,
-        _: &Progress<'_>,
-    ) -> Result<Self> {
-        std::process::abort()
-    }
-
-    fn blocks(&self) -> Vec<OwnBlock<'_>> {
-        Vec::new()
-    }
-
-    fn selector(&self, _: &Host) -> Result<AbortingSelector> {
-        Ok(AbortingSelector)
-    }
-}
-
-impl Selector<Aborting> for AbortingSelector {
-    fn select(&mut self, _: &Aborting, _: &Query<'_>) -> Result<Selection> {
-        Ok(Selection::new())
-    }
-}
-
+pub const ABORT_PREPARE: usize = 0;
 /// Panics while it selects.
-pub struct Panicking;
+pub const PANIC_SELECT: usize = 1;
+
+/// The structure with fault `FAULT`.
+pub struct Faulty<const FAULT: usize>;
 
 /// Its selector.
-pub struct PanickingSelector;
+pub struct FaultySelector<const FAULT: usize>;
 
-impl Structure for Panicking {
-    type Selector = PanickingSelector;
+impl<const FAULT: usize> Structure for Faulty<FAULT> {
+    type Selector = FaultySelector<FAULT>;
 
     fn prepare(
         _: &Host,
@@ -53,6 +24,9 @@ impl Structure for Panicking {
         _: Settings<'_>,
         _: &Progress<'_>,
     ) -> Result<Self> {
+        if FAULT == ABORT_PREPARE {
+            std::process::abort();
+        }
         Ok(Self)
     }
 
@@ -60,13 +34,16 @@ impl Structure for Panicking {
         Vec::new()
     }
 
-    fn selector(&self, _: &Host) -> Result<PanickingSelector> {
-        Ok(PanickingSelector)
+    fn selector(&self, _: &Host) -> Result<FaultySelector<FAULT>> {
+        Ok(FaultySelector)
     }
 }
 
-impl Selector<Panicking> for PanickingSelector {
-    fn select(&mut self, _: &Panicking, _: &Query<'_>) -> Result<Selection> {
-        panic!("asked to panic in select")
+impl<const FAULT: usize> Selector<Faulty<FAULT>> for FaultySelector<FAULT> {
+    fn select(&mut self, _: &Faulty<FAULT>, _: &Query<'_>) -> Result<Selection> {
+        if FAULT == PANIC_SELECT {
+            panic!("asked to panic in select");
+        }
+        Ok(Selection::new())
     }
 }
