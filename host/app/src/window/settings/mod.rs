@@ -4,6 +4,7 @@
 //! written by hand.
 
 pub(super) mod lighting;
+pub(super) mod pacing;
 pub(super) mod plugins;
 pub(super) mod renderer;
 pub(super) mod scene;
