@@ -13,6 +13,7 @@ use super::actions::{self, Action, read_keys};
 use super::asking::{Asking, Look, Wish};
 use super::dialogs::{FileDialog, PathField};
 use super::frame_times::FrameTimes;
+use super::inspector::Inspector;
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
