@@ -3,10 +3,11 @@
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
 use pointstage_engine::stage::Show;
 
+use super::actions::Action;
 use super::app::App;
 use super::intent::{Intents, Tab};
 use super::log::log_ui;
-use super::menu::{Menu, menu_ui};
+use super::menu::menu_ui;
 use super::settings::{self, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Status, status_ui};
@@ -15,8 +16,8 @@ use super::{help, legend, progress, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
-    pub(super) fn show(&mut self, ui: &mut Ui, out: &mut Intents) {
-        Panel::top("menu").show(ui, |ui| menu_ui(ui, &self.menu(), out));
+    pub(super) fn show(&mut self, ui: &mut Ui, actions: &[Action], out: &mut Intents) {
+        Panel::top("menu").show(ui, |ui| menu_ui(ui, actions, out));
         let (adapter, no_device) = (self.stage.adapter(), self.stage.no_device());
         Panel::bottom("status").show(ui, |ui| {
             status_ui(ui, &self.status(&adapter, no_device.as_deref()), out);
@@ -43,11 +44,17 @@ impl App {
             .show(ui, |ui| viewport_ui(ui, &viewport, out))
             .inner;
         self.viewport = Some(answer);
-        self.show_over(ui.ctx(), answer.rect, out);
+        self.show_over(ui.ctx(), answer.rect, actions, out);
     }
 
     /// What lies over the picture: legend, welcome, toasts, dialogs.
-    fn show_over(&mut self, ctx: &Context, over: egui::Rect, out: &mut Intents) {
+    fn show_over(
+        &mut self,
+        ctx: &Context,
+        over: egui::Rect,
+        actions: &[Action],
+        out: &mut Intents,
+    ) {
         let is_empty = self.session.scene.objects().is_empty();
         if is_empty && self.tasks.open().is_empty() {
             welcome::welcome_ui(ctx, over, &self.samples, out);
@@ -63,7 +70,7 @@ impl App {
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
         if self.panels.keys {
-            help::keys_ui(ctx, out);
+            help::keys_ui(ctx, actions, out);
         }
         if self.panels.about {
             help::about_ui(ctx, &self.stage.facts(), out);
@@ -72,18 +79,6 @@ impl App {
             && !field.ui(ctx, out)
         {
             self.path_field = None;
-        }
-    }
-
-    fn menu(&self) -> Menu<'_> {
-        Menu {
-            renderers: &self.rows.renderers,
-            chosen: &self.session.renderer,
-            view: &self.session.view,
-            camera: &self.session.camera,
-            targets: self.targets(),
-            is_settings_open: self.panels.settings,
-            is_log_open: self.panels.log,
         }
     }
 
@@ -137,7 +132,7 @@ impl App {
     }
 
     /// Targets that the renderer of the picture writes.
-    fn targets(&self) -> &[String] {
+    pub(super) fn targets(&self) -> &[String] {
         let shown = self.shown.as_ref();
         shown.map_or(&[], |shown| shown.available_targets.as_slice())
     }

@@ -4,9 +4,9 @@ use egui::{DragValue, ScrollArea, Slider, Ui};
 use glam::{DVec3, Vec3};
 use pointstage_scene::{Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{Intents, LightIntent};
 
-/// The tab. Edits come out as [`Intent::Light`] with all lights.
+/// The tab. Edits come out as [`LightIntent::Set`] with all lights.
 pub(crate) fn lighting_ui(ui: &mut Ui, lights: &Lights, out: &mut Intents) {
     let mut edited = lights.clone();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -44,7 +44,7 @@ pub(crate) fn lighting_ui(ui: &mut Ui, lights: &Lights, out: &mut Intents) {
         });
     });
     if edited != *lights {
-        out.push(Intent::Light(edited));
+        out.push(LightIntent::Set(edited));
     }
 }
 

@@ -13,7 +13,7 @@ pub(super) mod view;
 #[cfg(test)]
 mod tests;
 
-use super::intent::{Intent, Intents, Tab};
+use super::intent::{Intents, Tab, WindowIntent};
 
 /// The tabs with their names, in order.
 const TABS: [(Tab, &str); 5] = [
@@ -45,7 +45,7 @@ pub(super) fn tabs_ui(ui: &mut egui::Ui, chosen: Tab, out: &mut Intents) {
             ui.ctx()
                 .accesskit_node_builder(label.id, |node| node.set_role(egui::Role::Tab));
             if label.clicked() {
-                out.push(Intent::ChooseTab(tab));
+                out.push(WindowIntent::ChooseTab(tab));
             }
         }
     });

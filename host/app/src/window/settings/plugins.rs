@@ -3,7 +3,7 @@
 use egui::{ScrollArea, Ui};
 use pointstage_engine::stage::Severity;
 
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{Intents, PluginsIntent, WindowIntent};
 use crate::window::rows::PluginRow;
 use crate::window::theme;
 
@@ -34,7 +34,7 @@ fn plugin_ui(ui: &mut Ui, plugin: &PluginRow, out: &mut Intents) {
                 .on_hover_text("Examine it anew in a child process")
                 .clicked()
             {
-                out.push(Intent::RetryPlugin(plugin.path.clone()));
+                out.push(PluginsIntent::Retry(plugin.path.clone()));
             }
         }
     });
@@ -50,7 +50,7 @@ fn plugin_ui(ui: &mut Ui, plugin: &PluginRow, out: &mut Intents) {
             ui.monospace(&plugin.detail);
         }
         if ui.small_button("Copy").clicked() {
-            out.push(Intent::Copy(as_text(plugin)));
+            out.push(WindowIntent::Copy(as_text(plugin)));
         }
     });
 }

@@ -5,7 +5,7 @@ use pointstage_engine::plugins::Remedy;
 use pointstage_plugin_api::settings_schema::SettingValues;
 
 use super::schema::schema_ui;
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{Intents, RendererIntent, SceneIntent};
 use crate::window::rows::RendererRow;
 use crate::window::theme;
 
@@ -43,7 +43,7 @@ pub(crate) fn renderer_ui(ui: &mut Ui, tab: &RendererTab<'_>, out: &mut Intents)
                     .on_hover_text("Give every setting its default")
                     .clicked()
                 {
-                    out.push(Intent::ResetAll);
+                    out.push(RendererIntent::ResetAll);
                 }
             }
         });
@@ -70,7 +70,7 @@ fn list_ui(ui: &mut Ui, tab: &RendererTab<'_>, out: &mut Intents) {
                 None => radio,
             };
             if radio.clicked() && !is_chosen {
-                out.push(Intent::ChooseRenderer(row.id.clone()));
+                out.push(RendererIntent::Choose(row.id.clone()));
             }
             if let Some(obstacle) = &row.obstacle {
                 ui.indent("obstacle", |ui| {
@@ -78,7 +78,7 @@ fn list_ui(ui: &mut Ui, tab: &RendererTab<'_>, out: &mut Intents) {
                     if let Some(remedy) = obstacle.remedy
                         && ui.button(remedy_text(remedy)).clicked()
                     {
-                        out.push(Intent::Estimate);
+                        out.push(SceneIntent::Estimate);
                     }
                 });
             } else if is_chosen {
@@ -133,13 +133,13 @@ fn structures_ui(ui: &mut Ui, tab: &RendererTab<'_>, out: &mut Intents) {
                         .selectable_label(chosen.is_none(), "none: every surfel")
                         .clicked()
                     {
-                        out.push(Intent::ChooseStructure(None));
+                        out.push(RendererIntent::ChooseStructure(None));
                     }
                     for row in tab.structures {
                         let is_chosen = chosen == Some(row.id.as_str());
                         let label = ui.selectable_label(is_chosen, &row.title);
                         if label.on_hover_text(&row.about).clicked() {
-                            out.push(Intent::ChooseStructure(Some(row.id.clone())));
+                            out.push(RendererIntent::ChooseStructure(Some(row.id.clone())));
                         }
                     }
                 });

@@ -6,7 +6,7 @@ use egui::{ScrollArea, Ui};
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{Object, ObjectId, Scene, WarningKind, Warnings};
 
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{Intents, SceneIntent};
 use crate::window::status::grouped;
 use crate::window::theme;
 
@@ -39,10 +39,10 @@ fn object_ui(ui: &mut Ui, object: &Object, warnings: Option<&Warnings>, out: &mu
             .as_ref()
             .map_or_else(String::new, |path| path.display().to_string());
         if response.on_hover_text(hint).changed() {
-            out.push(Intent::SetVisible(object.id, visible));
+            out.push(SceneIntent::SetVisible(object.id, visible));
         }
         if ui.small_button("Remove").clicked() {
-            out.push(Intent::Remove(object.id));
+            out.push(SceneIntent::Remove(object.id));
         }
     });
     for line in describe(object) {
@@ -53,7 +53,7 @@ fn object_ui(ui: &mut Ui, object: &Object, warnings: Option<&Warnings>, out: &mu
             theme::severity_label(ui, Severity::Warning);
             ui.label(warning.to_string());
             if warning.kind == WarningKind::WoundInward && ui.small_button("Flip").clicked() {
-                out.push(Intent::Flip(object.id));
+                out.push(SceneIntent::Flip(object.id));
             }
         });
     }

@@ -6,11 +6,11 @@ use pointstage_plugin_api::settings_schema::{
     SettingValues,
 };
 
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{Intents, RendererIntent};
 
 /// All settings of a schema under their groups' headings; those whose condition does not hold are absent.
 ///
-/// `values` holds what differs from the defaults. Edits come out as [`Intent::Set`], [`Intent::Reset`], [`Intent::Press`].
+/// `values` holds what differs from the defaults. Edits come out as [`RendererIntent::Set`], [`RendererIntent::Reset`], [`RendererIntent::Press`].
 pub(crate) fn schema_ui(
     ui: &mut Ui,
     schema: &[SettingSchema],
@@ -76,13 +76,13 @@ fn setting_ui(ui: &mut Ui, setting: &SettingSchema, values: &SettingValues, out:
     let Some(value) = value_of(setting, values) else {
         let button = ui.button(&setting.label).on_hover_text(help);
         if button.clicked() {
-            out.push(Intent::Press(setting.id.clone()));
+            out.push(RendererIntent::Press(setting.id.clone()));
         }
         return;
     };
     super::row(ui, &setting.label, &help, |ui| {
         if let Some(edited) = value_ui(ui, setting, &value) {
-            out.push(Intent::Set(setting.id.clone(), edited));
+            out.push(RendererIntent::Set(setting.id.clone(), edited));
         }
         let differs = values.contains_key(&setting.id);
         if differs {
@@ -90,7 +90,7 @@ fn setting_ui(ui: &mut Ui, setting: &SettingSchema, values: &SettingValues, out:
             let reset = ui.add(Button::new("reset").small()).on_hover_text(&name);
             let reset = reset.accessible_name(name);
             if reset.clicked() {
-                out.push(Intent::Reset(setting.id.clone()));
+                out.push(RendererIntent::Reset(setting.id.clone()));
             }
         }
     });

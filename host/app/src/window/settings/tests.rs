@@ -9,7 +9,7 @@ use pointstage_plugin_api::settings_schema::{SettingSchema, SettingValue, Settin
 
 use super::renderer::{RendererTab, renderer_ui};
 use super::schema::schema_ui;
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{Intent, Intents, RendererIntent, SceneIntent};
 use crate::window::rows::{Obstacle, RendererRow};
 
 /// A schema with every kind of setting.
@@ -48,12 +48,12 @@ struct Panel {
 impl Panel {
     /// Values change as the session would change them.
     fn carry_out(&mut self) {
-        for intent in &self.asked {
+        for intent in &*self.asked {
             match intent {
-                Intent::Set(id, value) => {
+                Intent::Renderer(RendererIntent::Set(id, value)) => {
                     self.values.insert(id.clone(), value.clone());
                 }
-                Intent::Reset(id) => {
+                Intent::Renderer(RendererIntent::Reset(id)) => {
                     self.values.remove(id);
                 }
                 _ => {}
@@ -183,7 +183,7 @@ fn an_action_is_pressed() {
         harness
             .state()
             .asked
-            .contains(&Intent::Press("rebuild".into())),
+            .contains(&RendererIntent::Press("rebuild".into()).into()),
         "{:?}",
         harness.state().asked
     );
@@ -235,7 +235,10 @@ fn a_renderer_is_chosen_by_a_click() {
         .get_by_role_and_label(Role::RadioButton, "Lit splats")
         .click();
     harness.run();
-    assert_eq!(harness.state(), &[Intent::ChooseRenderer("b".into())]);
+    assert_eq!(
+        **harness.state(),
+        [RendererIntent::Choose("b".into()).into()]
+    );
 }
 
 #[test]
@@ -250,7 +253,7 @@ fn an_unsuitable_renderer_is_grey_with_reason_and_remedy() {
     harness.get_by_label("It needs normals, and 'scan' has none.");
     harness.get_by_label("Estimate normals").click();
     harness.run();
-    assert_eq!(harness.state(), &[Intent::Estimate]);
+    assert_eq!(**harness.state(), [SceneIntent::Estimate.into()]);
 }
 
 #[test]
@@ -266,5 +269,8 @@ fn the_keyboard_reaches_and_presses_a_renderer() {
     }
     harness.key_press(egui::Key::Space);
     harness.run();
-    assert_eq!(harness.state(), &[Intent::ChooseRenderer("b".into())]);
+    assert_eq!(
+        **harness.state(),
+        [RendererIntent::Choose("b".into()).into()]
+    );
 }
