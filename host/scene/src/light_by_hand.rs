@@ -122,7 +122,11 @@ mod tests {
                     panic!("kind changed")
                 };
                 // NDC is 2 a picture height.
-                camera.clip_from_view(1.0).project_point3(position).truncate() * 0.5
+                camera
+                    .clip_from_view(1.0)
+                    .project_point3(position)
+                    .truncate()
+                    * 0.5
             };
             let before = seen(&light);
             light.drag(&camera, 0.15, -0.1);
@@ -137,13 +141,24 @@ mod tests {
     #[test]
     fn the_wheel_moves_a_point_in_depth_and_leaves_a_direction() {
         let camera = Camera::default();
-        let mut point = light(LightKind::Point { position: DVec3::ZERO }, LightSpace::World);
+        let mut point = light(
+            LightKind::Point {
+                position: DVec3::ZERO,
+            },
+            LightSpace::World,
+        );
         point.push_away(&camera, 0.5);
         let LightKind::Point { position } = point.kind else {
             panic!("kind changed")
         };
-        assert!((position - DVec3::new(0.0, 0.0, -1.5)).length() < 1e-12, "{position}");
-        let mut directional = light(LightKind::Directional { towards: DVec3::X }, LightSpace::View);
+        assert!(
+            (position - DVec3::new(0.0, 0.0, -1.5)).length() < 1e-12,
+            "{position}"
+        );
+        let mut directional = light(
+            LightKind::Directional { towards: DVec3::X },
+            LightSpace::View,
+        );
         let before = directional.clone();
         directional.push_away(&camera, 0.5);
         assert_eq!(directional, before);

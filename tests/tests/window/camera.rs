@@ -39,8 +39,9 @@ fn a_stored_view_comes_back_by_its_number() -> Result<()> {
     let stored = view(&at_rest(&mut desk)?);
     let picture = desk.wait_for_picture("to store", |picture| coloured(picture) > 2000)?;
     desk.window.press_keys("ctrl+1")?;
-    desk.window
-        .settle("the slot", |state| state.session("views")["slots"][0] == true)?;
+    desk.window.settle("the slot", |state| {
+        state.session("views")["slots"][0] == true
+    })?;
     desk.turn()?;
     let elsewhere = view(&at_rest(&mut desk)?);
     assert_ne!(elsewhere, stored);

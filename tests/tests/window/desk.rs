@@ -85,10 +85,11 @@ impl Desk {
                 () => return Ok(widget),
             };
             self.window.scroll(width - 60, height / 2, clicks)?;
-            self.window.wait_for_state("the settings to scroll", |state| {
-                let moved = state.widget(role, name)?.rect != widget.rect;
-                moved.then_some(())
-            })?;
+            self.window
+                .wait_for_state("the settings to scroll", |state| {
+                    let moved = state.widget(role, name)?.rect != widget.rect;
+                    moved.then_some(())
+                })?;
             // The toolkit scrolls on for some passes.
             self.window.settle("the settings to rest", |_| true)?;
         }

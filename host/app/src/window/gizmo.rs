@@ -7,7 +7,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2
 use glam::{DVec3, Vec3};
 use pointstage_scene::{Camera, Light, LightKind, Lights};
 
-use super::intent::{CameraIntent, Intent, Intents};
+use super::intent::{CameraIntent, Intents};
 use super::navigation::{Axis, CameraMove, UpAxis};
 
 /// Side of the square that the gizmo takes, points.
@@ -149,26 +149,49 @@ fn mark_ui(ui: &Ui, painter: &Painter, middle: Pos2, mark: &Mark<'_>, out: &mut 
             let end = middle + on_sphere;
             let is_hovered = end_ui(ui, end, axis, out);
             painter.line_segment([middle, end], Stroke::new(2.0, dimmed(colour)));
-            let edge = if is_hovered { Color32::WHITE } else { dimmed(colour) };
+            let edge = if is_hovered {
+                Color32::WHITE
+            } else {
+                dimmed(colour)
+            };
             painter.circle(end, END_RADIUS, dimmed(colour), Stroke::new(1.5, edge));
             let font = FontId::proportional(12.0);
-            painter.text(end, Align2::CENTER_CENTER, letter, font, dimmed(Color32::BLACK));
+            painter.text(
+                end,
+                Align2::CENTER_CENTER,
+                letter,
+                font,
+                dimmed(Color32::BLACK),
+            );
         }
         MarkKind::Ring(colour, axis) => {
             let end = middle + on_sphere;
             let is_hovered = end_ui(ui, end, axis, out);
-            let colour = if is_hovered { Color32::WHITE } else { dimmed(colour) };
+            let colour = if is_hovered {
+                Color32::WHITE
+            } else {
+                dimmed(colour)
+            };
             painter.circle_stroke(end, END_RADIUS * 0.7, Stroke::new(1.5, colour));
         }
         MarkKind::Light(number, colour) => {
             let dot = middle + on_sphere * 1.2;
-            painter.line_segment([middle + on_sphere * 0.8, dot], Stroke::new(2.0, dimmed(colour)));
+            painter.line_segment(
+                [middle + on_sphere * 0.8, dot],
+                Stroke::new(2.0, dimmed(colour)),
+            );
             let edge = Stroke::new(1.0, dimmed(Color32::BLACK));
             painter.circle(dot, 4.5, dimmed(colour), edge);
             let font = FontId::proportional(9.0);
             let beside = dot + vec2(7.0, 0.0);
             let text = number.to_string();
-            painter.text(beside, Align2::LEFT_CENTER, text, font, dimmed(Color32::WHITE));
+            painter.text(
+                beside,
+                Align2::LEFT_CENTER,
+                text,
+                font,
+                dimmed(Color32::WHITE),
+            );
         }
     }
 }
@@ -182,7 +205,7 @@ fn end_ui(ui: &Ui, at: Pos2, axis: Axis, out: &mut Intents) -> bool {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
     let response = response.on_hover_text(name.as_str());
     if response.clicked() {
-        out.push(Intent::Camera(CameraIntent::Move(CameraMove::Axis(axis))));
+        out.push(CameraIntent::Move(CameraMove::Axis(axis)));
     }
     response.hovered()
 }
@@ -190,6 +213,7 @@ fn end_ui(ui: &Ui, at: Pos2, axis: Axis, out: &mut Intents) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::intent::Intent;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable as _;
     use pointstage_scene::LightSpace;
@@ -211,12 +235,15 @@ mod tests {
 
     #[test]
     fn a_click_on_an_axis_looks_from_its_end() {
-        for (axis, name) in [(Axis::Right, "Look from right"), (Axis::Top, "Look from top")] {
+        for (axis, name) in [
+            (Axis::Right, "Look from right"),
+            (Axis::Top, "Look from top"),
+        ] {
             let mut harness = harness(400.0);
             harness.get_by_label(name).click();
             harness.run();
             let expected = Intent::Camera(CameraIntent::Move(CameraMove::Axis(axis)));
-            assert_eq!(harness.state(), &[expected]);
+            assert_eq!(**harness.state(), [expected]);
         }
     }
 
@@ -258,7 +285,10 @@ mod tests {
 
     #[test]
     fn weak_lights_are_shown_in_their_full_colour() {
-        assert_eq!(light_colour(Vec3::new(0.01, 0.0, 0.0)), Color32::from_rgb(255, 0, 0));
+        assert_eq!(
+            light_colour(Vec3::new(0.01, 0.0, 0.0)),
+            Color32::from_rgb(255, 0, 0)
+        );
         assert_eq!(light_colour(Vec3::ZERO), Color32::GRAY);
     }
 }

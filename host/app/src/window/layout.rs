@@ -5,10 +5,11 @@ use pointstage_engine::stage::Show;
 
 use super::actions::Action;
 use super::app::App;
+use super::gizmo::{Gizmo, gizmo_ui};
 use super::intent::{Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
-use super::settings::{self, lighting, plugins, renderer, scene, view};
+use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Status, status_ui};
 use super::viewport::{Viewport, viewport_ui};
@@ -38,13 +39,29 @@ impl App {
         let viewport = Viewport {
             picture: self.picture.id(),
             is_transparent: self.picture.is_transparent(),
+            navigation: &self.session.navigation,
+            is_moving: self.navigator.is_moving(),
         };
         let answer = CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| viewport_ui(ui, &viewport, out))
+            .show(ui, |ui| {
+                let answer = viewport_ui(ui, &viewport, out);
+                if self.session.navigation.gizmo {
+                    gizmo_ui(ui, answer.rect, &self.gizmo(), out);
+                }
+                answer
+            })
             .inner;
         self.viewport = Some(answer);
         self.show_over(ui.ctx(), answer.rect, actions, out);
+    }
+
+    fn gizmo(&self) -> Gizmo<'_> {
+        Gizmo {
+            camera: &self.session.camera,
+            lights: &self.session.lights,
+            up: self.navigator.level_axis(),
+        }
     }
 
     /// What lies over the picture: legend, welcome, toasts, dialogs.
@@ -121,7 +138,13 @@ impl App {
             Tab::View => {
                 let tab = view::ViewTab {
                     view: &session.view,
-                    camera: &session.camera,
+                    camera: camera::CameraTab {
+                        camera: &session.camera,
+                        near: session.near,
+                        bounds: session.scene.bounds_world(),
+                        options: &session.navigation,
+                    },
+                    views: &session.views,
                     targets: self.targets(),
                 };
                 view::view_ui(ui, &tab, out);

@@ -80,12 +80,8 @@ fn pivot_part(from: f64, to: f64, height: f64, t: f64) -> f64 {
 /// Both in perspective if one of them is.
 fn alike(from: &Camera, to: &Camera) -> (Camera, Camera) {
     match (from.projection, to.projection) {
-        (Projection::Orthographic { .. }, Projection::Perspective { .. }) => {
-            (narrow(from), *to)
-        }
-        (Projection::Perspective { .. }, Projection::Orthographic { .. }) => {
-            (*from, narrow(to))
-        }
+        (Projection::Orthographic { .. }, Projection::Perspective { .. }) => (narrow(from), *to),
+        (Projection::Perspective { .. }, Projection::Orthographic { .. }) => (*from, narrow(to)),
         _ => (*from, *to),
     }
 }

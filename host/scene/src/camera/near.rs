@@ -85,9 +85,7 @@ mod tests {
             camera.fit_depth_clipped(&bounds(), NearClipping::Distance(3.0));
             let depth_at = |z: f64| {
                 let clip_from_world = camera.clip_from_view(1.0) * camera.view_from_world();
-                clip_from_world
-                    .project_point3(DVec3::new(0.0, 0.0, z))
-                    .z
+                clip_from_world.project_point3(DVec3::new(0.0, 0.0, z)).z
             };
             // With reversed depth what is cut away is beyond 1.
             assert!(depth_at(0.5) > 1.0, "{}", depth_at(0.5));

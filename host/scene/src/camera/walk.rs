@@ -24,8 +24,7 @@ impl Camera {
     /// along.
     pub fn look_free(&mut self, yaw_rad: f64, pitch_rad: f64) {
         let [right, up, _] = self.axes_world();
-        let turn =
-            DQuat::from_axis_angle(up, -yaw_rad) * DQuat::from_axis_angle(right, pitch_rad);
+        let turn = DQuat::from_axis_angle(up, -yaw_rad) * DQuat::from_axis_angle(right, pitch_rad);
         self.pivot = self.eye + turn * (self.pivot - self.eye);
         self.up = (turn * up).normalize();
     }

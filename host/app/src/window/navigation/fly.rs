@@ -1,6 +1,6 @@
 //! Flying: the keys that are held while the right button is, and the way that they make.
 
-use egui::{InputState, Key};
+use egui::{Context, Event, InputState, Key};
 use glam::DVec3;
 
 use super::moves::CameraMove;
@@ -13,6 +13,20 @@ const FAST: f64 = 4.0;
 
 /// The longest pass that counts in full, seconds: after a stall the eye must not be somewhere else.
 const LONGEST_PASS_SECS: f64 = 0.25;
+
+/// The keys that fly.
+const KEYS: [Key; 6] = [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E];
+
+/// Takes this pass' presses of the keys that fly, so that they ask for nothing else. What is held stays held.
+pub(crate) fn take_flying_keys(ctx: &Context) {
+    ctx.input_mut(|input| {
+        let is_command = input.modifiers.command || input.modifiers.ctrl || input.modifiers.alt;
+        input.events.retain(|event| {
+            let flies = matches!(event, Event::Key { key, .. } if KEYS.contains(key));
+            !flies || is_command
+        });
+    });
+}
 
 /// Which way the keys say; each of the three −1, 0 or 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,7 +8,7 @@ use pointstage_plugin_api::abi::Interaction;
 
 use super::fly::FlyKeys;
 use super::{CameraMove, Glide, GlideKind, NavigationOptions, ScrollAction};
-use crate::window::intent::{CameraIntent, Intent, Intents, LightIntent};
+use crate::window::intent::{CameraIntent, Intents, LightIntent};
 
 /// One arrow key turns by 5°.
 const KEY_TURN_RAD: f64 = 0.087_266;
@@ -49,7 +49,7 @@ pub(crate) fn gestures(ui: &Ui, gestures: &Gestures<'_>, out: &mut Intents) -> H
     let is_held = response.is_pointer_button_down_on();
     let is_flying = is_held && ui.input(|input| input.pointer.secondary_down());
     if is_held && gestures.is_moving && ui.input(|input| input.pointer.any_pressed()) {
-        out.push(Intent::Camera(CameraIntent::Stop));
+        out.push(CameraIntent::Stop);
     }
     let asked_before = out.len();
     if is_flying {
@@ -75,8 +75,8 @@ pub(crate) fn gestures(ui: &Ui, gestures: &Gestures<'_>, out: &mut Intents) -> H
     }
 }
 
-fn moved(camera_move: CameraMove) -> Intent {
-    Intent::Camera(CameraIntent::Move(camera_move))
+fn moved(camera_move: CameraMove) -> CameraIntent {
+    CameraIntent::Move(camera_move)
 }
 
 impl Gestures<'_> {
@@ -96,7 +96,7 @@ impl Gestures<'_> {
         let modifiers = ui.input(|input| input.modifiers);
         let is_left = self.response.dragged_by(PointerButton::Primary);
         if is_left && is_light_key_down(ui) {
-            out.push(Intent::Light(LightIntent::Drag { right, up }));
+            out.push(LightIntent::Drag { right, up });
         } else if self.response.dragged_by(PointerButton::Middle) || (is_left && modifiers.shift) {
             out.push(moved(CameraMove::Pan { right, up }));
         } else if is_left && modifiers.ctrl && !self.options.turntable {
@@ -128,7 +128,7 @@ impl Gestures<'_> {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
         if is_light_key_down(ui) && scroll.y != 0.0 {
             let part = f64::from(scroll.y) * ZOOM_PER_POINT;
-            out.push(Intent::Light(LightIntent::Push(part)));
+            out.push(LightIntent::Push(part));
             return;
         }
         let [right, up] = self.heights(scroll);
@@ -171,7 +171,7 @@ impl Gestures<'_> {
         }
         if scroll != 0.0 {
             let factor = (f64::from(scroll) * ZOOM_PER_POINT).exp();
-            out.push(Intent::Camera(CameraIntent::FlySpeed(factor)));
+            out.push(CameraIntent::FlySpeed(factor));
         }
         if let Some(step) = keys.step(self.options.fly_speed, secs) {
             out.push(moved(step));
@@ -197,7 +197,7 @@ impl Gestures<'_> {
             GlideKind::Turn
         };
         if let Some(glide) = Glide::from_release(kind, self.heights(velocity)) {
-            out.push(Intent::Camera(CameraIntent::Glide(glide)));
+            out.push(CameraIntent::Glide(glide));
         }
     }
 }

@@ -13,7 +13,8 @@ mod navigator;
 mod options;
 
 pub(crate) use axes::{Axis, UpAxis};
-pub(crate) use gestures::{Gestures, gestures};
+pub(crate) use fly::take_flying_keys;
+pub(crate) use gestures::{Gestures, Hands, gestures};
 pub(crate) use glide::{Glide, GlideKind};
 pub(crate) use moves::{CameraMove, Surroundings, fov_degrees};
 pub(crate) use navigator::Navigator;

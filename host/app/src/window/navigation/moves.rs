@@ -216,12 +216,7 @@ fn look(camera: &mut Camera, around: &Surroundings, right: f64, up: f64) {
 
 /// The plane through the pivot keeps its point under the pointer:
 /// pivot' + pointer·height' = pivot + pointer·height, with height' = factor·height.
-fn zoom_to(
-    camera: &mut Camera,
-    around: &Surroundings,
-    factor: f64,
-    pointer_heights: [f64; 2],
-) {
+fn zoom_to(camera: &mut Camera, around: &Surroundings, factor: f64, pointer_heights: [f64; 2]) {
     let radius = around.bounds.sphere_radius();
     let height = camera.height_at_pivot();
     let limits = if around.bounds.is_empty() || radius <= 0.0 {

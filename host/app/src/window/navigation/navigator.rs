@@ -200,7 +200,10 @@ mod tests {
         navigator.carry_out(&mut camera, CameraMove::Level(UpAxis::Y), &around());
         navigator.advance(&mut camera, 0.0, &around());
         navigator.advance(&mut camera, 0.1, &around());
-        assert!(UpAxis::exactly(&camera).is_none(), "on the way it is tilted");
+        assert!(
+            UpAxis::exactly(&camera).is_none(),
+            "on the way it is tilted"
+        );
         navigator.stop(&mut camera, &around());
         assert_eq!(UpAxis::exactly(&camera), Some(UpAxis::Y));
         assert!((camera.distance() / tilted.distance() - 1.0).abs() < 1e-9);

@@ -3,7 +3,7 @@
 use egui::{Button, Checkbox, ComboBox, DragValue, Slider, SliderClamping, Ui};
 use pointstage_scene::{Bounds, Camera, NearClipping, Projection};
 
-use crate::window::intent::{CameraIntent, Intent, Intents};
+use crate::window::intent::{CameraIntent, Intents};
 use crate::window::navigation::{
     Axis, CameraMove, FLY_SPEEDS, NavigationOptions, ScrollAction, UpAxis, fov_degrees,
 };
@@ -51,7 +51,7 @@ pub(crate) fn camera_ui(ui: &mut Ui, tab: &CameraTab<'_>, out: &mut Intents) {
 }
 
 fn push_move(out: &mut Intents, camera_move: CameraMove) {
-    out.push(Intent::Camera(CameraIntent::Move(camera_move)));
+    out.push(CameraIntent::Move(camera_move));
 }
 
 fn projection_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
@@ -64,8 +64,7 @@ fn projection_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
             push_move(out, CameraMove::SwitchProjection);
         }
     });
-    let mut project =
-        |projection| out.push(Intent::Camera(CameraIntent::Project(projection)));
+    let mut project = |projection| out.push(CameraIntent::Project(projection));
     match camera.projection {
         Projection::Perspective { fov_y_rad } => {
             super::row(ui, "Field of view", "Full vertical angle", |ui| {
@@ -98,31 +97,39 @@ fn near_ui(ui: &mut Ui, tab: &CameraTab<'_>, out: &mut Intents) {
     let help = "What is nearer to the eye is cut away. Automatic: a thousandth of the distance to the pivot";
     super::row(ui, "Near clipping", help, |ui| {
         let mut is_automatic = tab.near == NearClipping::Automatic;
-        if ui.add(Checkbox::new(&mut is_automatic, "automatic")).changed() {
+        if ui
+            .add(Checkbox::new(&mut is_automatic, "automatic"))
+            .changed()
+        {
             let near = if is_automatic {
                 NearClipping::Automatic
             } else {
                 // Half way to the pivot: it is seen at once what the plane does.
                 NearClipping::Distance(0.5 * tab.camera.distance())
             };
-            out.push(Intent::Camera(CameraIntent::Near(near)));
+            out.push(CameraIntent::Near(near));
         }
     });
     let NearClipping::Distance(distance) = tab.near else {
         return;
     };
-    super::row(ui, "Near plane", "Distance from the eye, scene units", |ui| {
-        let mut edited = distance;
-        let range = NEAREST * tab.camera.distance()..=tab.camera.farthest_near(&tab.bounds);
-        let slider = Slider::new(&mut edited, range)
-            .logarithmic(true)
-            .clamping(SliderClamping::Never)
-            .max_decimals(6);
-        if ui.add(slider).changed() && edited > 0.0 && edited.is_finite() {
-            let near = NearClipping::Distance(edited);
-            out.push(Intent::Camera(CameraIntent::Near(near)));
-        }
-    });
+    super::row(
+        ui,
+        "Near plane",
+        "Distance from the eye, scene units",
+        |ui| {
+            let mut edited = distance;
+            let range = NEAREST * tab.camera.distance()..=tab.camera.farthest_near(&tab.bounds);
+            let slider = Slider::new(&mut edited, range)
+                .logarithmic(true)
+                .clamping(SliderClamping::Never)
+                .max_decimals(6);
+            if ui.add(slider).changed() && edited > 0.0 && edited.is_finite() {
+                let near = NearClipping::Distance(edited);
+                out.push(CameraIntent::Near(near));
+            }
+        },
+    );
 }
 
 fn up_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
@@ -197,13 +204,14 @@ fn habits_ui(ui: &mut Ui, options: &NavigationOptions, out: &mut Intents) {
         edited = NavigationOptions::default();
     }
     if edited != *options {
-        out.push(Intent::Camera(CameraIntent::Options(edited)));
+        out.push(CameraIntent::Options(edited));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::intent::Intent;
     use egui::accesskit::Role;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable as _;
@@ -281,11 +289,20 @@ mod tests {
     #[test]
     fn near_clipping_is_automatic_or_a_distance() {
         let mut automatic = harness(NearClipping::Automatic);
-        assert!(automatic.query_by_role_and_label(Role::Slider, "Near plane").is_none());
-        automatic.get_by_role_and_label(Role::CheckBox, "automatic").click();
+        assert!(
+            automatic
+                .query_by_role_and_label(Role::Slider, "Near plane")
+                .is_none()
+        );
+        automatic
+            .get_by_role_and_label(Role::CheckBox, "automatic")
+            .click();
         automatic.run();
         let near = NearClipping::Distance(1.5);
-        assert_eq!(automatic.state()[..1], [Intent::Camera(CameraIntent::Near(near))]);
+        assert_eq!(
+            automatic.state()[..1],
+            [Intent::Camera(CameraIntent::Near(near))]
+        );
 
         let mut by_hand = harness(near);
         let slider = by_hand.get_by_role_and_label(Role::Slider, "Near plane");
@@ -306,7 +323,7 @@ mod tests {
             harness.get_by_label(name).click();
             harness.run();
             let asked = Intent::Camera(CameraIntent::Move(camera_move));
-            assert_eq!(harness.state(), &[asked]);
+            assert_eq!(**harness.state(), [asked]);
         }
     }
 }

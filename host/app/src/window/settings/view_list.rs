@@ -1,9 +1,9 @@
 //! The stored views in the *View* tab: ten by number, and a list with names and small pictures.
 
-use egui::{Button, Id, Image, Key, TextEdit, Ui, Vec2};
+use egui::{Button, Id, Image, Key, TextEdit, TextureHandle, Ui, Vec2};
 
-use crate::window::intent::{Intent, Intents, ViewsIntent};
-use crate::window::thumbnail::Thumbnail;
+use crate::window::intent::{Intents, ViewsIntent};
+use crate::window::thumbnail;
 use crate::window::views::{ListWay, NamedView, StoredViews, slot_key};
 
 /// Width of a thumbnail in the list, points.
@@ -22,6 +22,12 @@ pub(crate) fn view_list_ui(ui: &mut Ui, views: &StoredViews, out: &mut Intents) 
             named_ui(ui, view, index, is_last, out);
         });
     }
+    // Places whose views are gone.
+    for index in views.named.len().. {
+        if !thumbnail::forget(ui.ctx(), thumbnail_place(index)) {
+            break;
+        }
+    }
     ui.horizontal_wrapped(|ui| {
         let buttons = [
             ("Keep this view", "Appends it to the list", ViewsIntent::Add),
@@ -38,7 +44,7 @@ pub(crate) fn view_list_ui(ui: &mut Ui, views: &StoredViews, out: &mut Intents) 
         ];
         for (name, help, intent) in buttons {
             if ui.button(name).on_hover_text(help).clicked() {
-                out.push(Intent::Views(intent));
+                out.push(intent);
             }
         }
     });
@@ -53,15 +59,10 @@ fn slots_ui(ui: &mut Ui, views: &StoredViews, out: &mut Intents) {
             let button = ui.add_enabled(view.is_some(), Button::new(key.to_string()).small());
             let button = button
                 .accessible_name(format!("Recall view {key}"))
+                .on_hover_text(format!("{key} goes to this view"))
                 .on_disabled_hover_text(format!("Empty: Ctrl+{key} stores this view here"));
-            let button = match view.as_ref().and_then(|view| view.thumbnail.as_ref()) {
-                Some(thumbnail) => button.on_hover_ui(|ui| {
-                    ui.add(small_picture(ui, thumbnail));
-                }),
-                None => button,
-            };
             if button.clicked() {
-                out.push(Intent::Views(ViewsIntent::Recall(slot)));
+                out.push(ViewsIntent::Recall(slot));
             }
         }
     });
@@ -71,16 +72,13 @@ fn slots_ui(ui: &mut Ui, views: &StoredViews, out: &mut Intents) {
 fn named_ui(ui: &mut Ui, view: &NamedView, index: usize, is_last: bool, out: &mut Intents) {
     let mut asked = None;
     ui.horizontal(|ui| {
-        let recall = match &view.view.thumbnail {
-            Some(thumbnail) => ui.add(Button::image(small_picture(ui, thumbnail))),
+        let place = thumbnail_place(index);
+        let recall = match thumbnail::texture(ui.ctx(), place, &view.thumbnail) {
+            Some(texture) => ui.add(Button::image(small_picture(&texture))),
             None => ui.add_sized(EMPTY_SIZE, Button::new("Recall")),
         };
         let name = format!("Recall {}", view.name);
-        if recall
-            .on_hover_text(&name)
-            .accessible_name(name)
-            .clicked()
-        {
+        if recall.on_hover_text(&name).accessible_name(name).clicked() {
             asked = Some(ViewsIntent::RecallNamed(index));
         }
         ui.vertical(|ui| {
@@ -90,8 +88,18 @@ fn named_ui(ui: &mut Ui, view: &NamedView, index: usize, is_last: bool, out: &mu
             ui.horizontal(|ui| {
                 let buttons = [
                     ("⟳", "Overwrite", true, ViewsIntent::Overwrite(index)),
-                    ("⬆", "Move up", index > 0, ViewsIntent::Shift(index, ListWay::Up)),
-                    ("⬇", "Move down", !is_last, ViewsIntent::Shift(index, ListWay::Down)),
+                    (
+                        "⬆",
+                        "Move up",
+                        index > 0,
+                        ViewsIntent::Shift(index, ListWay::Up),
+                    ),
+                    (
+                        "⬇",
+                        "Move down",
+                        !is_last,
+                        ViewsIntent::Shift(index, ListWay::Down),
+                    ),
                     ("🗑", "Delete", true, ViewsIntent::Delete(index)),
                 ];
                 for (sign, verb, is_enabled, intent) in buttons {
@@ -104,7 +112,9 @@ fn named_ui(ui: &mut Ui, view: &NamedView, index: usize, is_last: bool, out: &mu
             });
         });
     });
-    out.extend(asked.map(Intent::Views));
+    if let Some(intent) = asked {
+        out.push(intent);
+    }
 }
 
 /// The field with the name: a name that was typed, once it is entered or left. Escape gives it up.
@@ -127,8 +137,12 @@ fn name_ui(ui: &mut Ui, view: &NamedView) -> Option<String> {
     (!is_given_up && text.trim() != view.name).then_some(text)
 }
 
-fn small_picture(ui: &Ui, thumbnail: &Thumbnail) -> Image<'static> {
-    let texture = thumbnail.texture(ui.ctx());
+/// Where the texture of a view in the list is kept.
+fn thumbnail_place(index: usize) -> Id {
+    Id::new(("thumbnail of named view", index))
+}
+
+fn small_picture(texture: &TextureHandle) -> Image<'static> {
     let size = texture.size_vec2();
     Image::new((texture.id(), size * (THUMBNAIL_WIDTH / size.x.max(1.0))))
 }
@@ -136,27 +150,24 @@ fn small_picture(ui: &Ui, thumbnail: &Thumbnail) -> Image<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::views::StoredView;
+    use crate::window::intent::Intent;
     use egui::accesskit::Role;
     use egui_kittest::Harness;
     use egui_kittest::kittest::{NodeT as _, Queryable as _};
     use pointstage_scene::{Camera, ViewRecord};
 
-    fn view() -> StoredView {
-        StoredView {
-            record: ViewRecord::new(Camera::default(), 800, 600),
-            thumbnail: None,
-        }
+    fn record() -> ViewRecord {
+        ViewRecord::new(Camera::default(), 800, 600)
     }
 
     /// A list with the views 'Front' and 'Face', and one in the slot 2.
     fn harness() -> Harness<'static, Intents> {
         let mut views = StoredViews::default();
-        views.add(view());
-        views.add(view());
+        views.add(record(), Vec::new());
+        views.add(record(), Vec::new());
         views.rename(0, "Front");
         views.rename(1, "Face");
-        views.slots[1] = Some(view());
+        views.slots[1] = Some(record());
         let app = move |ui: &mut Ui, asked: &mut Intents| view_list_ui(ui, &views, asked);
         Harness::builder()
             .with_size([340.0, 400.0])
