@@ -11,6 +11,8 @@ mod app;
 mod app_tests;
 mod apply;
 mod asking;
+#[cfg(test)]
+mod camera_tests;
 mod dialogs;
 mod flight;
 mod gizmo;

@@ -178,7 +178,7 @@ fn buttons_and_keys_say_what_a_drag_does() {
     ];
     for (options, button, modifiers, key, is_right) in cases {
         let mut harness = window(1.0, options);
-        harness.input_mut().modifiers = modifiers;
+        harness.event(Event::ModifiersChanged(modifiers));
         if let Some(key) = key {
             hold(&mut harness, key, true);
         }
@@ -198,7 +198,7 @@ fn a_roll_goes_with_the_pointer_around_the_middle() {
         ..NavigationOptions::default()
     };
     let mut harness = window(1.0, free);
-    harness.input_mut().modifiers = Modifiers::CTRL;
+    harness.event(Event::ModifiersChanged(Modifiers::CTRL));
     point(&mut harness, 0.9, 0.5);
     let start = at(&harness, 0.9, 0.5);
     press(&mut harness, start, PointerButton::Primary, true);
