@@ -199,7 +199,7 @@ fn mark_ui(ui: &Ui, painter: &Painter, middle: Pos2, mark: &Mark<'_>, out: &mut 
 /// The place of an axis' end that answers to clicks. True while the pointer is there. The keyboard has keys for these views.
 fn end_ui(ui: &Ui, at: Pos2, axis: Axis, out: &mut Intents) -> bool {
     let rect = Rect::from_center_size(at, Vec2::splat(2.0 * END_RADIUS));
-    let id = ui.id().with(("gizmo", axis.name()));
+    let id = ui.scope_id().with(("gizmo", axis.name()));
     let response = ui.interact(rect, id, Sense::CLICK);
     let name = format!("Look from {}", axis.name().to_lowercase());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));

@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn a_place_holds_one_texture_and_gives_it_back() {
         let ctx = Context::default();
-        let place = Id::new("place");
+        let place = Id::unique("place");
         let (first, second) = (encode(&picture([8, 8])), encode(&picture([9, 8])));
         let id = |png: &[u8]| texture(&ctx, place, png).expect("a texture").id();
         let first_id = id(&first);

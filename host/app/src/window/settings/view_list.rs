@@ -87,24 +87,29 @@ fn named_ui(ui: &mut Ui, view: &NamedView, index: usize, is_last: bool, out: &mu
             }
             ui.horizontal(|ui| {
                 let buttons = [
-                    ("⟳", "Overwrite", true, ViewsIntent::Overwrite(index)),
                     (
-                        "⬆",
+                        "Overwrite",
+                        "Overwrite",
+                        true,
+                        ViewsIntent::Overwrite(index),
+                    ),
+                    (
+                        "Up",
                         "Move up",
                         index > 0,
                         ViewsIntent::Shift(index, ListWay::Up),
                     ),
                     (
-                        "⬇",
+                        "Down",
                         "Move down",
                         !is_last,
                         ViewsIntent::Shift(index, ListWay::Down),
                     ),
-                    ("🗑", "Delete", true, ViewsIntent::Delete(index)),
+                    ("Delete", "Delete", true, ViewsIntent::Delete(index)),
                 ];
-                for (sign, verb, is_enabled, intent) in buttons {
+                for (short, verb, is_enabled, intent) in buttons {
                     let name = format!("{verb} {}", view.name);
-                    let button = ui.add_enabled(is_enabled, Button::new(sign).small());
+                    let button = ui.add_enabled(is_enabled, Button::new(short).small());
                     if button.on_hover_text(&name).accessible_name(name).clicked() {
                         asked = Some(intent);
                     }
@@ -119,7 +124,7 @@ fn named_ui(ui: &mut Ui, view: &NamedView, index: usize, is_last: bool, out: &mu
 
 /// The field with the name: a name that was typed, once it is entered or left. Escape gives it up.
 fn name_ui(ui: &mut Ui, view: &NamedView) -> Option<String> {
-    let id = ui.id().with("name");
+    let id = ui.scope_id().with("name");
     let draft_id: Id = id.with("draft");
     let draft: Option<String> = ui.data(|data| data.get_temp(draft_id));
     let mut text = draft.unwrap_or_else(|| view.name.clone());
@@ -139,7 +144,7 @@ fn name_ui(ui: &mut Ui, view: &NamedView) -> Option<String> {
 
 /// Where the texture of a view in the list is kept.
 fn thumbnail_place(index: usize) -> Id {
-    Id::new(("thumbnail of named view", index))
+    Id::unique(("thumbnail of named view", index))
 }
 
 fn small_picture(texture: &TextureHandle) -> Image<'static> {
