@@ -1,20 +1,20 @@
 //! The picture, and the gestures over it.
 
-use egui::{Color32, Pos2, Rect, Sense, TextureId, Ui, pos2};
+use egui::{Pos2, Rect, Sense, Ui};
+use pointstage_engine::stage::Background;
 use pointstage_plugin_api::abi::Interaction;
 
+use super::canvas;
 use super::intent::Intents;
 use super::navigation::{Gestures, Hands, NavigationOptions, gestures};
-
-/// Side of the squares behind a transparent picture, points.
-const CHECKER: f32 = 12.0;
+use super::picture::Layer;
 
 /// What the viewport shows.
 pub(crate) struct Viewport<'a> {
-    /// The picture, if there is one.
-    pub(crate) picture: Option<TextureId>,
-    /// Whether the picture may be see-through.
-    pub(crate) is_transparent: bool,
+    /// Pictures, from back to front.
+    pub(crate) layers: &'a [Layer],
+    /// What lies behind them where they do not reach.
+    pub(crate) background: Background,
     /// How the camera answers to gestures.
     pub(crate) navigation: &'a NavigationOptions,
     /// Whether the camera moves by itself.
@@ -34,6 +34,19 @@ pub(crate) struct ViewportAnswer {
     pub(crate) interaction: Interaction,
     /// Whether letters fly, since the right button is held.
     pub(crate) is_flying: bool,
+    /// Where the pointer rests over the picture, points.
+    pub(crate) hovered_at: Option<Pos2>,
+    /// Where the picture was clicked in this pass, points, and how often in a row.
+    pub(crate) clicked_at: Option<(Pos2, Clicks)>,
+}
+
+/// How often was clicked in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Clicks {
+    /// Once.
+    One,
+    /// Twice.
+    Two,
 }
 
 /// Fills what is left of the window with the picture, and turns gestures into moves.
@@ -60,7 +73,14 @@ pub(crate) fn viewport_ui(
         interaction,
         is_flying,
     } = gestures(ui, &picture, out);
+    let clicks = if response.double_clicked() {
+        Some(Clicks::Two)
+    } else {
+        response.clicked().then_some(Clicks::One)
+    };
     ViewportAnswer {
+        hovered_at: response.hover_pos().filter(|_| !response.dragged()),
+        clicked_at: response.interact_pointer_pos().zip(clicks),
         id: response.id,
         rect,
         size_px: [to_px(rect.width()), to_px(rect.height())],
@@ -71,29 +91,9 @@ pub(crate) fn viewport_ui(
 
 fn paint(ui: &Ui, rect: Rect, viewport: &Viewport<'_>, has_focus: bool) {
     let painter = ui.painter_at(rect);
-    if viewport.is_transparent {
-        paint_checkers(&painter, rect);
-    }
-    if let Some(picture) = viewport.picture {
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(picture, rect, whole, Color32::WHITE);
-    }
+    canvas::paint(&painter, rect, viewport.background, viewport.layers);
     if has_focus {
         let stroke = ui.visuals().selection.stroke;
         painter.rect_stroke(rect, 0.0, (1.0, stroke.color), egui::StrokeKind::Inside);
-    }
-}
-
-/// The squares that stand for transparency.
-fn paint_checkers(painter: &egui::Painter, rect: Rect) {
-    painter.rect_filled(rect, 0.0, Color32::from_gray(110));
-    let columns = (rect.width() / CHECKER).ceil() as usize;
-    let rows = (rect.height() / CHECKER).ceil() as usize;
-    for row in 0..rows {
-        for column in (row % 2..columns).step_by(2) {
-            let corner = rect.min + egui::vec2(column as f32, row as f32) * CHECKER;
-            let square = Rect::from_min_size(corner, egui::Vec2::splat(CHECKER));
-            painter.rect_filled(square, 0.0, Color32::from_gray(140));
-        }
     }
 }

@@ -15,7 +15,6 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Ctrl+drag", "roll, without the turntable lock"),
     ("Wheel, pinch, Ctrl+scroll", "zoom to the pointer"),
     ("Tilted wheel, Shift+wheel", "shift sideways"),
-    ("Double click", "turn around the surfel there"),
     ("Right button", "look around from the eye"),
     ("Right button + W, S", "fly forward, back"),
     ("Right button + A, D", "fly left, right"),

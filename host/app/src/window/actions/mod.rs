@@ -8,6 +8,7 @@ mod edit;
 mod file;
 mod help;
 mod keys;
+mod own_keys;
 mod renderer;
 mod view;
 mod views;
@@ -19,6 +20,7 @@ use super::app::App;
 use super::intent::Intent;
 
 pub(crate) use keys::{read_keys, shortcut_text};
+pub(crate) use own_keys::conflicts;
 
 /// Ctrl (⌘ on a Mac) with Shift.
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
@@ -80,6 +82,12 @@ impl Menu {
         (Self::Window, "Window"),
         (Self::Help, "Help"),
     ];
+
+    /// Its name in the bar.
+    pub(crate) fn name(self) -> &'static str {
+        let found = Self::ALL.iter().find(|(menu, _)| *menu == self);
+        found.map_or("", |(_, name)| name)
+    }
 }
 
 /// Keys that are pressed together, and where they count.
@@ -183,5 +191,11 @@ pub(crate) fn all(app: &App) -> Vec<Action> {
 
 /// Gestures with the mouse and keys that are held, with what they do, for Help.
 pub(crate) fn gestures() -> Vec<(&'static str, &'static str)> {
-    [camera::GESTURES, file::GESTURES, window::GESTURES].concat()
+    [
+        camera::GESTURES,
+        view::GESTURES,
+        file::GESTURES,
+        window::GESTURES,
+    ]
+    .concat()
 }

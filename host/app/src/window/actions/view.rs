@@ -1,14 +1,25 @@
 //! The *View* menu: what is shown.
 
+use egui::{Key, Modifiers};
 use pointstage_engine::stage::Show;
 
-use super::{Action, Menu, Place};
+use super::{Action, Menu, Place, Scope};
 use crate::window::app::App;
-use crate::window::intent::{Tab, ViewIntent, WindowIntent};
+use crate::window::intent::{InspectIntent, Tab, ViewIntent, WindowIntent};
 use crate::window::legend;
+
+/// What clicks do.
+pub(super) const GESTURES: &[(&str, &str)] = &[
+    (
+        "Click on a surface",
+        "keep the surfel and list all that is known of it",
+    ),
+    ("Double click on a surface", "turn around it from now on"),
+];
 
 pub(super) fn actions(app: &App) -> Vec<Action> {
     let mut actions = show_actions(app);
+    actions.extend(inspect_actions(app));
     actions.push(Action::new(
         "view.settings",
         "Background, exposure, radius…",
@@ -16,6 +27,41 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
         WindowIntent::ChooseTab(Tab::View),
     ));
     actions
+}
+
+/// What the mouse does by clicks, for the keyboard: at the picture's middle.
+fn inspect_actions(app: &App) -> Vec<Action> {
+    let place = Place::new(Menu::View, 4);
+    let middle = app
+        .viewport
+        .map_or([0; 2], |viewport| viewport.size_px.map(|side| side / 2));
+    let nothing_kept = (!app.inspector.is_pinned()).then(|| "nothing is kept".to_owned());
+    vec![
+        Action::new(
+            "inspect.middle",
+            "Inspect the middle of the picture",
+            place,
+            InspectIntent::Pin(middle),
+        )
+        .keys(Modifiers::SHIFT, Key::I),
+        Action::new(
+            "inspect.unpin",
+            "Let go of the inspected surfel",
+            place,
+            InspectIntent::Unpin,
+        )
+        .keys_in(Scope::OnPicture, Modifiers::NONE, Key::Escape)
+        .unless(nothing_kept),
+        Action::new(
+            "camera.pivot_middle",
+            "Turn around the surface in the middle",
+            place,
+            InspectIntent::PivotOn(middle),
+        )
+        .keys(Modifiers::NONE, Key::P),
+        Action::new("view.draw_now", "Draw now", place, ViewIntent::DrawNow)
+            .keys(Modifiers::NONE, Key::F5),
+    ]
 }
 
 /// Colours and every target of the renderer.

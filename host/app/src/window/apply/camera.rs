@@ -15,6 +15,10 @@ impl App {
             CameraIntent::Move(camera_move) => {
                 self.navigator.carry_out(camera, camera_move, &around);
             }
+            CameraIntent::PivotAt(point) => {
+                let pivot_at = CameraMove::PivotAt(point);
+                self.navigator.carry_out(camera, pivot_at, &around);
+            }
             CameraIntent::Glide(glide) => self.navigator.glide(glide),
             CameraIntent::Stop => self.navigator.stop(camera, &around),
             CameraIntent::Project(projection) => {

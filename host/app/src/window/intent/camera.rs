@@ -1,5 +1,6 @@
 //! Intents about the eye.
 
+use glam::DVec3;
 use pointstage_scene::{NearClipping, Projection};
 
 use crate::window::navigation::{CameraMove, Glide, NavigationOptions};
@@ -9,6 +10,8 @@ use crate::window::navigation::{CameraMove, Glide, NavigationOptions};
 pub(crate) enum CameraIntent {
     /// Move it.
     Move(CameraMove),
+    /// Turn to this point of the world, and around it from then on.
+    PivotAt(DVec3),
     /// Let a drag go on by itself.
     Glide(Glide),
     /// End what it does by itself.

@@ -5,6 +5,7 @@
 
 pub(super) mod camera;
 pub(super) mod lighting;
+pub(super) mod pacing;
 pub(super) mod plugins;
 pub(super) mod renderer;
 pub(super) mod scene;

@@ -4,9 +4,11 @@ use egui::{ScrollArea, Slider, SliderClamping, Ui};
 use pointstage_engine::stage::Background;
 
 use super::camera::{CameraTab, camera_ui};
+use super::pacing::pacing_ui;
 use super::view_list::view_list_ui;
 use crate::window::intent::{Intents, ViewIntent};
 use crate::window::menu::show_choices_ui;
+use crate::window::pacing::Pacing;
 use crate::window::session::{DEFAULT_BACKGROUND, ViewOptions};
 use crate::window::views::StoredViews;
 
@@ -17,6 +19,8 @@ const WHITE: Background = Background::Solid([1.0; 3]);
 pub(crate) struct ViewTab<'a> {
     /// How the picture is shown.
     pub(crate) view: &'a ViewOptions,
+    /// How often it is drawn.
+    pub(crate) pacing: Pacing,
     /// The camera's part.
     pub(crate) camera: CameraTab<'a>,
     /// Views that were kept.
@@ -58,6 +62,9 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
             out,
         );
         background_ui(ui, tab.view.background, out);
+        ui.separator();
+        ui.strong("Pace");
+        pacing_ui(ui, tab.pacing, out);
         ui.separator();
         camera_ui(ui, &tab.camera, out);
         ui.separator();
