@@ -1,5 +1,6 @@
 //! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
 
+mod camera;
 mod desk;
 
 use std::path::{Path, PathBuf};

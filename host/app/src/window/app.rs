@@ -10,6 +10,7 @@ use pointstage_plugin_api::abi::Interaction;
 use pointstage_scene::{Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
+use super::apply::take_pasted_view;
 use super::asking::{Asking, Look, Wish};
 use super::dialogs::{FileDialog, PathField};
 use super::frame_times::FrameTimes;
@@ -18,7 +19,7 @@ use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
 use super::memory::Memory;
-use super::navigation::CameraMove;
+use super::navigation::{Navigator, take_flying_keys};
 use super::pacing::Pacer;
 use super::palette::Palette;
 use super::picture::{PictureTexture, Transition};
@@ -41,6 +42,8 @@ pub(crate) struct App {
     pub(super) log: Log,
     pub(super) asking: Asking,
     pub(super) roles: Roles,
+    /// What the camera does by itself.
+    pub(super) navigator: Navigator,
     pub(super) pacer: Pacer,
     pub(super) frame_times: FrameTimes,
     pub(super) memory: Memory,
@@ -122,6 +125,7 @@ impl App {
             log: Log::default(),
             asking: Asking::default(),
             roles: Roles::default(),
+            navigator: Navigator::default(),
             pacer: Pacer::default(),
             frame_times: FrameTimes::default(),
             memory: Memory::default(),
@@ -157,9 +161,14 @@ impl App {
         self.tell_of_conflicting_keys();
         let refine = self.take_new_picture(&ctx);
         let mut intents = Intents::new();
+        self.advance_camera(&ctx);
         let actions: Vec<Action> = actions::all(self);
         let picture = self.viewport.map(|viewport| viewport.id);
+        if self.is_flying() {
+            take_flying_keys(&ctx);
+        }
         read_keys(&ctx, &actions, picture, &mut intents);
+        take_pasted_view(&ctx, &mut intents);
         take_dropped_files(&ctx, &mut intents);
         self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
         self.show(ui, &actions, &mut intents);
@@ -187,7 +196,7 @@ impl App {
                         &mut self.log,
                     );
                     if arrival == Arrival::First {
-                        self.move_camera(CameraMove::Frame);
+                        self.frame_new_scene();
                     }
                 }
                 Finished::Cancelled(name) => {
@@ -417,6 +426,7 @@ impl App {
         let is_still = |viewport: ViewportAnswer| viewport.interaction == Interaction::STILL;
         self.shown.as_deref().is_some_and(is_final)
             && self.viewport.is_some_and(is_still)
+            && !self.navigator.is_moving()
             && self.tasks.open().is_empty()
             && !self.roles.is_under_way()
             && !self.pacer.is_waiting()
@@ -430,15 +440,6 @@ impl App {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
-    }
-
-    /// Moves the camera in the scene and viewport that are shown.
-    pub(super) fn move_camera(&mut self, camera_move: CameraMove) {
-        let bounds = self.session.scene.bounds_world();
-        let aspect = self.viewport.map_or(1.5, |viewport| {
-            f64::from(viewport.size_px[0]) / f64::from(viewport.size_px[1])
-        });
-        camera_move.apply(&mut self.session.camera, &bounds, aspect);
     }
 }
 

@@ -8,11 +8,12 @@ use pointstage_engine::stage::{Background, Show};
 use super::actions::Action;
 use super::app::App;
 use super::facts::facts_at;
+use super::gizmo::{Gizmo, gizmo_ui};
 use super::inspector::{self, pixel_at};
 use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
-use super::settings::{self, lighting, plugins, renderer, scene, view};
+use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
 use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
@@ -48,14 +49,30 @@ impl App {
         let viewport = Viewport {
             layers: &layers,
             background: self.shown_background(),
+            navigation: &self.session.navigation,
+            is_moving: self.navigator.is_moving(),
         };
         let answer = CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| viewport_ui(ui, &viewport, out))
+            .show(ui, |ui| {
+                let answer = viewport_ui(ui, &viewport, out);
+                if self.session.navigation.gizmo {
+                    gizmo_ui(ui, answer.rect, &self.gizmo(), out);
+                }
+                answer
+            })
             .inner;
         self.viewport = Some(answer);
         self.inspect_ui(ui.ctx(), answer, out);
         self.show_over(ui.ctx(), answer.rect, actions, out);
+    }
+
+    fn gizmo(&self) -> Gizmo<'_> {
+        Gizmo {
+            camera: &self.session.camera,
+            lights: &self.session.lights,
+            up: self.navigator.level_axis(),
+        }
     }
 
     /// What shows where the picture does not reach or is see-through.
@@ -188,7 +205,13 @@ impl App {
                 let tab = view::ViewTab {
                     view: &session.view,
                     pacing: session.pacing,
-                    camera: &session.camera,
+                    camera: camera::CameraTab {
+                        camera: &session.camera,
+                        near: session.near,
+                        bounds: session.scene.bounds_world(),
+                        options: &session.navigation,
+                    },
+                    views: &session.views,
                     targets: self.targets(),
                 };
                 view::view_ui(ui, &tab, out);

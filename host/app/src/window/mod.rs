@@ -11,10 +11,14 @@ mod app;
 mod app_tests;
 mod apply;
 mod asking;
+#[cfg(test)]
+mod camera_tests;
 mod canvas;
 mod dialogs;
 mod facts;
+mod flight;
 mod frame_times;
+mod gizmo;
 mod help;
 mod inspector;
 mod intent;
@@ -41,6 +45,7 @@ mod tasks;
 #[cfg(test)]
 mod test_frames;
 mod theme;
+mod thumbnail;
 mod toasts;
 mod ui_state;
 mod viewport;

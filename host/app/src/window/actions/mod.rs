@@ -3,6 +3,7 @@
 //! [`all`] asks the providers, one file a menu, for their rows; a row's order in the table is its order in the menu. What
 //! cannot be done now is there too, with the reason.
 
+mod camera;
 mod edit;
 mod file;
 mod help;
@@ -10,6 +11,7 @@ mod keys;
 mod own_keys;
 mod renderer;
 mod view;
+mod views;
 mod window;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -178,6 +180,8 @@ impl Place {
 pub(crate) fn all(app: &App) -> Vec<Action> {
     let mut actions = file::actions(app);
     actions.extend(edit::actions(app));
+    actions.extend(camera::actions(app));
+    actions.extend(views::actions(app));
     actions.extend(view::actions(app));
     actions.extend(renderer::actions(app));
     actions.extend(window::actions(app));
@@ -187,5 +191,11 @@ pub(crate) fn all(app: &App) -> Vec<Action> {
 
 /// Gestures with the mouse and keys that are held, with what they do, for Help.
 pub(crate) fn gestures() -> Vec<(&'static str, &'static str)> {
-    [view::GESTURES, file::GESTURES, window::GESTURES].concat()
+    [
+        camera::GESTURES,
+        view::GESTURES,
+        file::GESTURES,
+        window::GESTURES,
+    ]
+    .concat()
 }
