@@ -15,6 +15,7 @@ use super::dialogs::{FileDialog, PathField};
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
+use super::memory::Memory;
 use super::navigation::CameraMove;
 use super::palette::Palette;
 use super::picture::PictureTexture;
@@ -35,6 +36,7 @@ pub(crate) struct App {
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
+    pub(super) memory: Memory,
     pub(super) asking: Asking,
     pub(super) roles: Roles,
     pub(super) panels: Panels,
@@ -110,6 +112,7 @@ impl App {
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
+            memory: Memory::without_file(wake.clone())?,
             asking: Asking::default(),
             roles: Roles::default(),
             panels: Panels::default(),
@@ -138,6 +141,7 @@ impl App {
         // Asked before the answers are taken: one that comes in between is taken by the next pass.
         let was_stage_idle = self.stage.is_idle();
         self.take_finished_tasks();
+        self.take_errands(&ctx);
         self.refresh_rows();
         let refine = self.take_new_picture(&ctx);
         let mut intents = Intents::new();
@@ -153,6 +157,9 @@ impl App {
         }
         let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
+        if let Some(time) = self.keep_preferences(&ctx) {
+            ctx.request_repaint_after(time);
+        }
         self.set_title(&ctx);
         let is_settled = was_stage_idle && is_idle && !asked && self.is_at_rest();
         self.report_state(&ctx, is_settled);
@@ -163,6 +170,7 @@ impl App {
         for finished in self.tasks.take_finished() {
             match finished {
                 Finished::Loaded(loaded, place) => {
+                    self.memory.note_loaded(&loaded, place);
                     let arrival = arrive(
                         &mut self.session,
                         &mut self.shown_batch,
@@ -171,9 +179,11 @@ impl App {
                         &mut self.log,
                     );
                     if arrival == Arrival::First {
+                        self.memory.leave_session();
                         self.move_camera(CameraMove::Frame);
                     }
                 }
+                Finished::Session(opened) => self.take_over(*opened),
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
@@ -197,7 +207,11 @@ impl App {
             return;
         };
         self.tell_of_bad_plugins(&rows);
+        let are_first = self.rows.renderers.is_empty();
         self.rows = rows;
+        if are_first {
+            self.tell_of_missing_renderers();
+        }
         if self.rows.renderer(&self.session.renderer).is_none()
             && let Some(first) = self.rows.first_suitable()
         {

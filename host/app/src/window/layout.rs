@@ -12,7 +12,7 @@ use super::settings::{self, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Status, status_ui};
 use super::viewport::{Viewport, viewport_ui};
-use super::{help, legend, progress, toasts, welcome};
+use super::{help, legend, progress, theme, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
@@ -57,7 +57,12 @@ impl App {
     ) {
         let is_empty = self.session.scene.objects().is_empty();
         if is_empty && self.tasks.open().is_empty() {
-            welcome::welcome_ui(ctx, over, &self.samples, out);
+            let welcome = welcome::Welcome {
+                samples: &self.samples,
+                recent: self.memory.recent.paths(),
+                missing: &self.memory.missing,
+            };
+            welcome::welcome_ui(ctx, over, &welcome, out);
         }
         if self.session.view.show != Show::Colours
             && !is_empty
@@ -80,6 +85,7 @@ impl App {
         {
             self.path_field = None;
         }
+        theme::focus_frame_ui(ctx, self.viewport.map(|viewport| viewport.id));
     }
 
     fn status<'a>(&'a self, adapter: &'a str, no_device: Option<&'a str>) -> Status<'a> {

@@ -16,6 +16,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use super::app::App;
 use super::intent::Intent;
 
+pub(crate) use file::title_of_recent;
 pub(crate) use keys::{read_keys, shortcut_text};
 
 /// Ctrl (⌘ on a Mac) with Shift.
