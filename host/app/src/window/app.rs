@@ -15,10 +15,10 @@ use super::dialogs::{FileDialog, PathField};
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
-use super::memory::Memory;
 use super::navigation::CameraMove;
 use super::palette::Palette;
 use super::picture::PictureTexture;
+use super::remembered::Remembered;
 use super::roles::Roles;
 use super::rows::Rows;
 use super::session::Session;
@@ -36,7 +36,7 @@ pub(crate) struct App {
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
-    pub(super) memory: Memory,
+    pub(super) remembered: Remembered,
     pub(super) asking: Asking,
     pub(super) roles: Roles,
     pub(super) panels: Panels,
@@ -112,7 +112,7 @@ impl App {
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
-            memory: Memory::without_file(wake.clone())?,
+            remembered: Remembered::without_file(wake.clone())?,
             asking: Asking::default(),
             roles: Roles::default(),
             panels: Panels::default(),
@@ -170,7 +170,7 @@ impl App {
         for finished in self.tasks.take_finished() {
             match finished {
                 Finished::Loaded(loaded, place) => {
-                    self.memory.note_loaded(&loaded, place);
+                    self.remembered.note_loaded(&loaded, place);
                     let arrival = arrive(
                         &mut self.session,
                         &mut self.shown_batch,
@@ -179,7 +179,7 @@ impl App {
                         &mut self.log,
                     );
                     if arrival == Arrival::First {
-                        self.memory.leave_session();
+                        self.remembered.leave_session();
                         self.move_camera(CameraMove::Frame);
                     }
                 }

@@ -59,8 +59,8 @@ impl App {
         if is_empty && self.tasks.open().is_empty() {
             let welcome = welcome::Welcome {
                 samples: &self.samples,
-                recent: self.memory.recent.paths(),
-                missing: &self.memory.missing,
+                recent: self.remembered.recent.paths(),
+                missing: &self.remembered.missing,
             };
             welcome::welcome_ui(ctx, over, &welcome, out);
         }

@@ -20,9 +20,6 @@ mod layout;
 mod legend;
 mod loading;
 mod log;
-mod memory;
-#[cfg(test)]
-mod memory_tests;
 mod menu;
 mod navigation;
 mod open;
@@ -31,6 +28,9 @@ mod palette;
 mod picture;
 mod presets;
 mod progress;
+mod remembered;
+#[cfg(test)]
+mod remembered_tests;
 mod roles;
 mod rows;
 mod session;

@@ -9,7 +9,7 @@ use pointstage_scene::{Job, LoadError, Loaded, Scene, load};
 use super::app::App;
 use super::intent::OpenMode;
 use super::loading::{Arrival, Batch, Finished, Place, arrive};
-use super::memory::{stored_views, views_to_store};
+use super::remembered::{stored_views, views_to_store};
 use super::tasks::guarded;
 use crate::session_file::{Renderers, SceneFile, SessionFile};
 use crate::toml_form::Look;
@@ -126,13 +126,13 @@ impl App {
         session.preview = renderers.preview;
         session.structure = renderers.structure;
         tracing::info!("session opened: {}", path.display());
-        self.memory.note(&path);
-        self.memory.absent = absent;
+        self.remembered.note(&path);
+        self.remembered.absent = absent;
         // A picture holds a session, but is no place to save one.
         let is_session_file = path
             .extension()
             .is_some_and(|extension| extension == "toml");
-        self.memory.session_path = is_session_file.then_some(path);
+        self.remembered.session_path = is_session_file.then_some(path);
         self.tell_of_missing_renderers();
     }
 
@@ -159,11 +159,13 @@ impl App {
     /// The session as a file holds it.
     pub(super) fn session_file(&self) -> SessionFile {
         let Self {
-            session, memory, ..
+            session,
+            remembered,
+            ..
         } = self;
         let mut file = SessionFile::new(self.view_record());
         file.scene = entries_of(&session.scene, |id| session.warnings.get(&id));
-        file.scene.extend(memory.absent.iter().cloned());
+        file.scene.extend(remembered.absent.iter().cloned());
         let main = Some(&session.renderer).filter(|id| !id.is_empty());
         file.renderers = Renderers {
             main: main.cloned(),
@@ -179,7 +181,7 @@ impl App {
 
     /// A name for the session's file: beside the first object, called like it.
     pub(super) fn suggested_session_path(&self) -> PathBuf {
-        if let Some(path) = &self.memory.session_path {
+        if let Some(path) = &self.remembered.session_path {
             return path.clone();
         }
         let objects = self.session.scene.objects().iter();

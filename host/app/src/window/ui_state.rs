@@ -184,10 +184,10 @@ impl App {
                 "text": entry.notice.text,
             })).collect::<Vec<_>>(),
             "adapter": self.stage.adapter(),
-            "recent": self.memory.recent.paths(),
-            "session_path": self.memory.session_path,
-            "theme": self.memory.appearance().0,
-            "text_scale": self.memory.appearance().1,
+            "recent": self.remembered.recent.paths(),
+            "session_path": self.remembered.session_path,
+            "theme": self.remembered.appearance().0,
+            "text_scale": self.remembered.appearance().1,
         })
     }
 }

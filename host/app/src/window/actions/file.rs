@@ -60,13 +60,13 @@ fn open_actions() -> Vec<Action> {
 /// Files that were opened, newest first; those that are gone are there too, and say so.
 fn recent_actions(app: &App) -> Vec<Action> {
     let place = Place::new(Menu::File, 0).within("Open recent");
-    let paths = app.memory.recent.paths();
+    let paths = app.remembered.recent.paths();
     let mut actions: Vec<Action> = paths
         .iter()
         .enumerate()
         .map(|(number, path)| {
             let open = FileIntent::Open(vec![path.clone()], OpenMode::Replace);
-            let is_missing = app.memory.missing.contains(path);
+            let is_missing = app.remembered.missing.contains(path);
             Action::new(
                 format!("file.recent.{number}"),
                 title_of_recent(path),
@@ -110,7 +110,7 @@ fn session_actions(app: &App) -> Vec<Action> {
     let place = Place::new(Menu::File, 1);
     let objects = app.session.scene.objects();
     let nothing = objects.is_empty().then(|| "the scene is empty".to_owned());
-    let path = app.memory.session_path.as_ref();
+    let path = app.remembered.session_path.as_ref();
     let unsaved = path
         .is_none()
         .then(|| "the session has no file yet: save it first".to_owned());

@@ -32,7 +32,7 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
 
 fn theme_actions(app: &App) -> Vec<Action> {
     let place = Place::new(Menu::Window, 1).within("Theme");
-    let chosen = app.memory.appearance().0;
+    let chosen = app.remembered.appearance().0;
     let themes = [
         (
             "system",
@@ -52,7 +52,7 @@ fn theme_actions(app: &App) -> Vec<Action> {
 
 fn text_scale_actions(app: &App) -> Vec<Action> {
     let place = Place::new(Menu::Window, 1).within("Text scale");
-    let chosen = app.memory.appearance().1;
+    let chosen = app.remembered.appearance().1;
     let to = |id: &str, title: &str, scale| {
         Action::new(id, title, place, WindowIntent::TextScale(scale))
     };

@@ -26,13 +26,13 @@ impl App {
                 self.open(files, mode);
             }
             FileIntent::Reload => self.reload(),
-            FileIntent::ClearRecent => self.memory.recent.clear(),
+            FileIntent::ClearRecent => self.remembered.recent.clear(),
             FileIntent::SaveSessionAs => {
                 self.path_field = Some(PathField::save(&self.suggested_session_path()));
             }
             FileIntent::ChooseSessionFile(path) => self.choose_files(Asked::Save(path)),
             FileIntent::SaveSession(path, overwrite) => self.save_session(path, overwrite),
-            FileIntent::SaveSessionAgain => match self.memory.session_path.clone() {
+            FileIntent::SaveSessionAgain => match self.remembered.session_path.clone() {
                 Some(path) => self.save_session(path, Overwrite::Agreed),
                 None => self.path_field = Some(PathField::save(&self.suggested_session_path())),
             },
@@ -118,7 +118,7 @@ impl App {
 
     /// Has the session written, unless that would replace a file without the user's word.
     fn save_session(&mut self, path: PathBuf, overwrite: Overwrite) {
-        let is_own = self.memory.session_path.as_ref() == Some(&path);
+        let is_own = self.remembered.session_path.as_ref() == Some(&path);
         if overwrite == Overwrite::Ask && !is_own && path.exists() {
             self.path_field = Some(PathField::replace(&path));
             return;
@@ -134,7 +134,7 @@ impl App {
             self.log.say(Severity::Warning, text, Instant::now());
         }
         let session = self.session_file();
-        self.memory.errands.save(path, move |path| {
+        self.remembered.errands.save(path, move |path| {
             session.write(path).map_err(|error| error.to_string())
         });
     }

@@ -22,7 +22,7 @@ use crate::session_file::{Renderers, SceneFile};
 use crate::toml_form::{Look, StoredView};
 
 /// What is remembered beside the session.
-pub(crate) struct Memory {
+pub(crate) struct Remembered {
     /// The settings file.
     keeper: Keeper,
     /// Work with files.
@@ -45,7 +45,7 @@ pub(crate) struct Memory {
     had_keyboard: bool,
 }
 
-impl Memory {
+impl Remembered {
     /// Nothing to remember yet, and no file to remember it in.
     ///
     /// # Errors
@@ -107,7 +107,7 @@ impl App {
             self.log.error(complaint, Instant::now());
         }
         let preferences = opened.preferences.clone();
-        self.memory.keeper = Keeper::new(Some(opened))?;
+        self.remembered.keeper = Keeper::new(Some(opened))?;
         let Preferences {
             theme,
             text_scale,
@@ -124,10 +124,10 @@ impl App {
             views,
             ..
         } = preferences;
-        self.memory.to_tell = Some((theme, text_scale));
-        self.memory.recent = recent;
-        self.memory.plugin_folders = plugin_folders;
-        self.memory.look_for_recent();
+        self.remembered.to_tell = Some((theme, text_scale));
+        self.remembered.recent = recent;
+        self.remembered.plugin_folders = plugin_folders;
+        self.remembered.look_for_recent();
         self.panels.settings = window.settings;
         self.panels.log = window.log;
         self.panels.inspector = window.inspector;
@@ -148,28 +148,28 @@ impl App {
 
     /// Collects what errands brought, and looks after recent files when the window gets the keyboard.
     pub(super) fn take_errands(&mut self, ctx: &Context) {
-        if let Some((theme, scale)) = self.memory.to_tell {
+        if let Some((theme, scale)) = self.remembered.to_tell {
             ctx.set_theme(theme_preference(theme));
             theme::set_text_scale(ctx, scale);
             // The toolkit takes the scale over in its next pass.
             if theme::text_scale(ctx) == scale {
-                self.memory.to_tell = None;
+                self.remembered.to_tell = None;
             }
         }
         let has_keyboard = ctx.input(|input| input.focused);
-        if has_keyboard && !self.memory.had_keyboard {
-            self.memory.look_for_recent();
+        if has_keyboard && !self.remembered.had_keyboard {
+            self.remembered.look_for_recent();
         }
-        self.memory.had_keyboard = has_keyboard;
+        self.remembered.had_keyboard = has_keyboard;
         let now = Instant::now();
-        for done in self.memory.errands.take() {
+        for done in self.remembered.errands.take() {
             match done {
-                Done::Missing(paths) => self.memory.missing = paths.into_iter().collect(),
+                Done::Missing(paths) => self.remembered.missing = paths.into_iter().collect(),
                 Done::Saved(path, Ok(())) => {
                     let text = format!("Session saved: {}", path.display());
                     self.log.say(Severity::Info, text, now);
-                    self.memory.note(&path);
-                    self.memory.session_path = Some(path);
+                    self.remembered.note(&path);
+                    self.remembered.session_path = Some(path);
                 }
                 Done::Saved(_, Err(reason)) => self.log.error(reason, now),
             }
@@ -179,16 +179,16 @@ impl App {
     /// Has changes written when it is time; returns when to look again.
     pub(super) fn keep_preferences(&mut self, ctx: &Context) -> Option<Duration> {
         let now = Instant::now();
-        for reason in self.memory.keeper.take_failures() {
+        for reason in self.remembered.keeper.take_failures() {
             self.log.error(reason, now);
         }
         // Until the toolkit has been told, it would be asked for what it does not know.
-        if self.memory.to_tell.is_some() {
+        if self.remembered.to_tell.is_some() {
             return None;
         }
-        self.memory.appearance = (theme_of(ctx), theme::text_scale(ctx));
+        self.remembered.appearance = (theme_of(ctx), theme::text_scale(ctx));
         let preferences = self.preferences();
-        self.memory.keeper.keep(preferences, now)
+        self.remembered.keeper.keep(preferences, now)
     }
 
     /// All that is remembered, as it is now.
@@ -196,15 +196,15 @@ impl App {
         let Self {
             session,
             panels,
-            memory,
+            remembered,
             ..
         } = self;
         let main = (!session.renderer.is_empty()).then(|| session.renderer.clone());
         Preferences {
-            theme: memory.appearance.0,
-            text_scale: memory.appearance.1,
-            recent: memory.recent.clone(),
-            plugin_folders: memory.plugin_folders.clone(),
+            theme: remembered.appearance.0,
+            text_scale: remembered.appearance.1,
+            recent: remembered.recent.clone(),
+            plugin_folders: remembered.plugin_folders.clone(),
             window: Layout {
                 settings: panels.settings,
                 log: panels.log,
@@ -213,7 +213,7 @@ impl App {
             },
             renderers: Renderers {
                 // Before plugins are known, none is chosen: what was remembered stays.
-                main: main.or_else(|| memory.keeper.preferences().renderers.main.clone()),
+                main: main.or_else(|| remembered.keeper.preferences().renderers.main.clone()),
                 preview: session.preview.clone(),
                 structure: session.structure.clone(),
             },

@@ -99,7 +99,7 @@ fn save(window: &mut Window, path: &Path) {
         FileIntent::SaveSession(path.to_path_buf(), Overwrite::Agreed),
     );
     wait_until(window, "the saved session", |window| {
-        window.state().memory.session_path.as_deref() == Some(path)
+        window.state().remembered.session_path.as_deref() == Some(path)
     });
 }
 
@@ -138,7 +138,7 @@ fn a_saved_session_gives_back_all_that_it_was_saved_with() {
     open(&mut window, &b);
     let state = window.state_mut();
     assert_eq!(
-        state.memory.session_path, None,
+        state.remembered.session_path, None,
         "another scan is another session"
     );
     state.session.settings.clear();
@@ -232,7 +232,7 @@ fn saving_over_another_file_asks_first() {
     assert_eq!(std::fs::read(&path).expect("readable"), b"precious");
     window.get_by_label("Save").click();
     wait_until(&mut window, "the saved session", |window| {
-        window.state().memory.session_path.as_ref() == Some(&path)
+        window.state().remembered.session_path.as_ref() == Some(&path)
     });
     let text = std::fs::read_to_string(&path).expect("readable");
     assert!(text.starts_with("format = 1"), "{text}");
@@ -280,7 +280,7 @@ fn a_window_goes_on_with_what_the_last_one_left() {
     std::fs::remove_file(&path).expect("removed");
     let mut second = window(folder.path());
     wait_until(&mut second, "the look for recent files", |window| {
-        !window.state().memory.missing.is_empty()
+        !window.state().remembered.missing.is_empty()
     });
     second.run_steps(2);
     let state = second.state();
