@@ -114,10 +114,15 @@ impl Desk {
 
     /// Ends the session as a person would, and asks that it ends well.
     pub(super) fn close(self) -> Result<()> {
+        self.close_and_keep().map(drop)
+    }
+
+    /// The same; the program's files stay, so that it can be started again where it was.
+    pub(super) fn close_and_keep(self) -> Result<Program> {
         let said = self.window.said();
         let status = self.window.close()?;
         ensure!(status.success(), "{status}; it said:\n{said}");
-        Ok(())
+        Ok(self.program)
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod camera;
 mod desk;
+mod session;
 
 use std::path::{Path, PathBuf};
 

@@ -23,6 +23,7 @@ use super::navigation::{Navigator, take_flying_keys};
 use super::pacing::Pacer;
 use super::palette::Palette;
 use super::picture::{PictureTexture, Transition};
+use super::remembered::Remembered;
 use super::roles::Roles;
 use super::rows::Rows;
 use super::session::Session;
@@ -40,6 +41,7 @@ pub(crate) struct App {
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
+    pub(super) remembered: Remembered,
     pub(super) asking: Asking,
     pub(super) roles: Roles,
     /// What the camera does by itself.
@@ -123,6 +125,7 @@ impl App {
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
+            remembered: Remembered::without_file(wake.clone())?,
             asking: Asking::default(),
             roles: Roles::default(),
             navigator: Navigator::default(),
@@ -157,6 +160,7 @@ impl App {
         // Asked before the answers are taken: one that comes in between is taken by the next pass.
         let was_stage_idle = self.stage.is_idle();
         self.take_finished_tasks();
+        self.take_errands(&ctx);
         self.refresh_rows();
         self.tell_of_conflicting_keys();
         let refine = self.take_new_picture(&ctx);
@@ -178,6 +182,9 @@ impl App {
         }
         let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
+        if let Some(time) = self.keep_preferences(&ctx) {
+            ctx.request_repaint_after(time);
+        }
         self.set_title(&ctx);
         let is_settled = was_stage_idle && is_idle && !asked && self.is_at_rest();
         self.report_state(&ctx, is_settled);
@@ -188,6 +195,7 @@ impl App {
         for finished in self.tasks.take_finished() {
             match finished {
                 Finished::Loaded(loaded, place) => {
+                    self.remembered.note_loaded(&loaded, place);
                     let arrival = arrive(
                         &mut self.session,
                         &mut self.shown_batch,
@@ -196,9 +204,11 @@ impl App {
                         &mut self.log,
                     );
                     if arrival == Arrival::First {
+                        self.remembered.leave_session();
                         self.frame_new_scene();
                     }
                 }
+                Finished::Session(opened) => self.take_over(*opened),
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
@@ -222,8 +232,12 @@ impl App {
             return;
         };
         self.tell_of_bad_plugins(&rows);
+        let are_first = self.rows.renderers.is_empty();
         self.rows = rows;
         self.told_keys_of = None;
+        if are_first {
+            self.tell_of_missing_renderers();
+        }
         if self.rows.renderer(&self.session.renderer).is_none()
             && let Some(first) = self.rows.first_suitable()
         {

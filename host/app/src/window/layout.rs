@@ -17,7 +17,7 @@ use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
 use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
-use super::{help, legend, progress, toasts, welcome};
+use super::{help, legend, progress, theme, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
@@ -94,7 +94,12 @@ impl App {
     ) {
         let is_empty = self.session.scene.objects().is_empty();
         if is_empty && self.tasks.open().is_empty() {
-            welcome::welcome_ui(ctx, over, &self.samples, out);
+            let welcome = welcome::Welcome {
+                samples: &self.samples,
+                recent: self.remembered.recent.paths(),
+                missing: &self.remembered.missing,
+            };
+            welcome::welcome_ui(ctx, over, &welcome, out);
         }
         if self.session.view.show != Show::Colours
             && !is_empty
@@ -119,6 +124,7 @@ impl App {
         {
             self.path_field = None;
         }
+        theme::focus_frame_ui(ctx, self.viewport.map(|viewport| viewport.id));
     }
 
     /// What is under the pointer, and what a click asks about it.

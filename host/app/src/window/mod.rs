@@ -11,10 +11,12 @@ mod app;
 mod app_tests;
 mod apply;
 mod asking;
+mod bug_report;
 #[cfg(test)]
 mod camera_tests;
 mod canvas;
 mod dialogs;
+mod errands;
 mod facts;
 mod flight;
 mod frame_times;
@@ -35,9 +37,13 @@ mod palette;
 mod picture;
 mod presets;
 mod progress;
+mod remembered;
+#[cfg(test)]
+mod remembered_tests;
 mod roles;
 mod rows;
 mod session;
+mod session_link;
 mod settings;
 mod stage_link;
 mod status;

@@ -214,6 +214,10 @@ impl App {
                 "text": entry.notice.text,
             })).collect::<Vec<_>>(),
             "adapter": self.stage.adapter(),
+            "recent": self.remembered.recent.paths(),
+            "session_path": self.remembered.session_path,
+            "theme": self.remembered.appearance().0,
+            "text_scale": self.remembered.appearance().1,
         })
     }
 }

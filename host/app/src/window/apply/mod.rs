@@ -25,7 +25,7 @@ impl App {
     pub(super) fn apply(&mut self, ctx: &Context, intent: Intent) {
         tracing::debug!(?intent);
         match intent {
-            Intent::File(intent) => self.apply_file(intent),
+            Intent::File(intent) => self.apply_file(ctx, intent),
             Intent::Edit(intent) => self.apply_edit(intent),
             Intent::Renderer(intent) => self.apply_renderer(intent),
             Intent::Camera(intent) => self.apply_camera(intent),
