@@ -10,6 +10,8 @@ use pointstage_plugin_api::manifest::PluginEntry;
 use pointstage_plugin_api::settings_schema::SettingSchema;
 use pointstage_scene::Scene;
 
+use super::recommend::{self, Candidate, Has};
+
 /// All rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Rows {
@@ -21,12 +23,21 @@ pub(crate) struct Rows {
     pub(crate) plugins: Vec<PluginRow>,
     /// Plugins in which earlier sessions ended, as sentences.
     pub(crate) culprits: Vec<String>,
+    /// The renderer that suits the scene best, if there is a scene.
+    pub(crate) recommended: Option<Recommendation>,
+    /// The renderer that suits moving pictures of the scene best.
+    pub(crate) recommended_preview: Option<Recommendation>,
 }
 
 impl Rows {
     /// The renderer of this id.
     pub(crate) fn renderer(&self, id: &str) -> Option<&RendererRow> {
         self.renderers.iter().find(|row| row.id == id)
+    }
+
+    /// The structure of this id.
+    pub(crate) fn structure(&self, id: &str) -> Option<&RendererRow> {
+        self.structures.iter().find(|row| row.id == id)
     }
 
     /// The renderer that a new window chooses: the first that can draw.
@@ -103,8 +114,21 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
         obstacle: obstacle(&suitability(&info.entry.needs, scene, device)),
         settings: info.entry.settings.clone(),
     };
-    let mut renderers: Vec<RendererRow> =
-        registry.renderers().iter().map(|info| row(info)).collect();
+    let found = registry.renderers();
+    let mut renderers: Vec<RendererRow> = found.iter().map(|info| row(info)).collect();
+    let candidates: Vec<Candidate<'_>> = found
+        .iter()
+        .zip(&renderers)
+        .map(|(info, row)| Candidate {
+            id: &info.id,
+            needs: &info.entry.needs,
+            gives: &info.entry.gives,
+            is_suitable: row.obstacle.is_none(),
+        })
+        .collect();
+    let has = Has::of(scene);
+    let recommended = recommend::main(&candidates, has);
+    let recommended_preview = recommend::preview(&candidates, has);
     renderers.push(RendererRow {
         id: FALLBACK_ID.to_owned(),
         title: "Built-in fallback (CPU)".to_owned(),
@@ -121,6 +145,8 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
             .iter()
             .map(ToString::to_string)
             .collect(),
+        recommended,
+        recommended_preview,
     }
 }
 

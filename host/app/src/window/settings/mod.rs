@@ -4,10 +4,13 @@
 //! written by hand.
 
 pub(super) mod lighting;
+mod material;
 pub(super) mod plugins;
+mod presets;
 pub(super) mod renderer;
 pub(super) mod scene;
 pub(super) mod schema;
+mod value;
 pub(super) mod view;
 
 #[cfg(test)]
