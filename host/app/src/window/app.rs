@@ -9,16 +9,20 @@ use pointstage_engine::stage::{FrameResult, Severity};
 use pointstage_plugin_api::abi::Interaction;
 use pointstage_scene::{Revision, Scene};
 
+use super::actions::{self, Action, read_keys};
 use super::asking::Asking;
 use super::dialogs::{FileDialog, PathField};
-use super::intent::{Intent, Intents, OpenMode, Tab};
+use super::folder_dialog::FolderDialog;
+use super::history::History;
+use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
 use super::navigation::CameraMove;
+use super::palette::Palette;
 use super::picture::PictureTexture;
+use super::roles::Roles;
 use super::rows::Rows;
 use super::session::Session;
-use super::shortcuts;
 use super::stage_link::{DrawnWith, StageLink};
 use super::tasks::Tasks;
 use super::viewport::ViewportAnswer;
@@ -34,9 +38,15 @@ pub(crate) struct App {
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
     pub(super) asking: Asking,
+    pub(super) roles: Roles,
     pub(super) panels: Panels,
+    pub(super) palette: Palette,
+    /// The setting that the keyboard is to be put on.
+    pub(super) focus_setting: Option<String>,
     pub(super) path_field: Option<PathField>,
     pub(super) dialog: Option<FileDialog>,
+    pub(super) folder_dialog: Option<FolderDialog>,
+    pub(super) history: History,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
@@ -58,6 +68,7 @@ pub(crate) struct App {
 pub(crate) struct Panels {
     pub(super) settings: bool,
     pub(super) log: bool,
+    pub(super) inspector: bool,
     pub(super) keys: bool,
     pub(super) about: bool,
     pub(super) tab: Tab,
@@ -68,6 +79,7 @@ impl Default for Panels {
         Self {
             settings: true,
             log: false,
+            inspector: false,
             keys: false,
             about: false,
             tab: Tab::Renderer,
@@ -103,9 +115,14 @@ impl App {
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
             asking: Asking::default(),
+            roles: Roles::default(),
             panels: Panels::default(),
+            palette: Palette::default(),
+            focus_setting: None,
             path_field: None,
             dialog: None,
+            folder_dialog: None,
+            history: History::default(),
             wake,
             shown_batch: None,
             next_batch: 0,
@@ -130,14 +147,19 @@ impl App {
         self.refresh_rows();
         let refine = self.take_new_picture(&ctx);
         let mut intents = Intents::new();
-        shortcuts::read(&ctx, &mut intents);
+        let actions: Vec<Action> = actions::all(self);
+        let picture = self.viewport.map(|viewport| viewport.id);
+        read_keys(&ctx, &actions, picture, &mut intents);
         take_dropped_files(&ctx, &mut intents);
         self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
-        self.show(ui, &mut intents);
+        self.folder_dialog
+            .take_if(|dialog| !dialog.poll(&mut intents));
+        self.show(ui, &actions, &mut intents);
         let is_idle = intents.is_empty();
         for intent in intents {
             self.apply(&ctx, intent);
         }
+        self.note_history(&ctx);
         let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
         self.set_title(&ctx);
@@ -326,7 +348,7 @@ fn take_dropped_files(ctx: &Context, out: &mut Intents) {
         } else {
             OpenMode::Replace
         };
-        out.push(Intent::Open(files, mode));
+        out.push(FileIntent::Open(files, mode));
     }
 }
 

@@ -16,6 +16,7 @@ struct Look {
     renderer: String,
     structure: Option<String>,
     settings: SettingValues,
+    structure_settings: SettingValues,
     view: ViewOptions,
     interaction: Interaction,
 }
@@ -57,6 +58,12 @@ impl Asking {
             renderer: renderer.to_owned(),
             structure: session.structure.clone(),
             settings: session.settings_of(renderer),
+            structure_settings: session
+                .structure
+                .as_ref()
+                .map_or_else(SettingValues::new, |structure| {
+                    session.settings_of(structure)
+                }),
             view: session.view.clone(),
             interaction,
         };
@@ -77,6 +84,7 @@ impl Look {
             lights: self.lights.clone(),
             structure: self.structure.clone(),
             settings: self.settings.clone(),
+            structure_settings: self.structure_settings.clone(),
             actions,
             show: self.view.show.clone(),
             background: self.view.background,

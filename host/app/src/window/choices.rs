@@ -292,7 +292,9 @@ fn owners_of<T: PartialEq>(
     then: &BTreeMap<String, T>,
 ) -> impl Iterator<Item = String> {
     let keys: BTreeSet<&String> = now.keys().chain(then.keys()).collect();
-    let differing = keys.into_iter().filter(|key| now.get(*key) != then.get(*key));
+    let differing = keys
+        .into_iter()
+        .filter(|key| now.get(*key) != then.get(*key));
     differing.cloned().collect::<Vec<_>>().into_iter()
 }
 

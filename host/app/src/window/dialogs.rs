@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::{Align2, Context, Key, TextEdit, Window};
 
-use super::intent::{Intent, Intents, OpenMode};
+use super::intent::{FileIntent, Intents, OpenMode};
 
 /// A system dialog that is open.
 pub(crate) struct FileDialog {
@@ -38,7 +38,7 @@ impl FileDialog {
         match self.answer.try_recv() {
             Ok(files) => {
                 if !files.is_empty() {
-                    out.push(Intent::Open(files, self.mode));
+                    out.push(FileIntent::Open(files, self.mode));
                 }
                 false
             }
@@ -97,7 +97,7 @@ impl PathField {
                         .add_enabled(has_text, egui::Button::new("Open"))
                         .clicked();
                     if has_text && (is_entered || is_pressed) {
-                        out.push(Intent::Open(vec![typed_path(&self.text)], self.mode));
+                        out.push(FileIntent::Open(vec![typed_path(&self.text)], self.mode));
                         is_done = true;
                     }
                     is_done |= ui.button("Close").clicked();
@@ -109,7 +109,7 @@ impl PathField {
 
 /// The path that a typed text means: without surrounding space or quotes, `~` for the home folder, `file://` of a pasted
 /// address taken off.
-fn typed_path(text: &str) -> PathBuf {
+pub(super) fn typed_path(text: &str) -> PathBuf {
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);
     if let Some(rest) = text.strip_prefix("~/")

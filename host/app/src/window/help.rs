@@ -2,11 +2,11 @@
 
 use egui::{Align2, Context, Grid, ScrollArea, Window};
 
-use super::intent::{Intent, Intents, Part};
-use super::shortcuts;
+use super::actions::{self, Action, shortcut_text};
+use super::intent::{Intents, Part, WindowIntent};
 
 /// The list of keys and mouse actions.
-pub(crate) fn keys_ui(ctx: &Context, out: &mut Intents) {
+pub(crate) fn keys_ui(ctx: &Context, all: &[Action], out: &mut Intents) {
     let mut is_open = true;
     Window::new("Keys and mouse")
         .open(&mut is_open)
@@ -21,16 +21,38 @@ pub(crate) fn keys_ui(ctx: &Context, out: &mut Intents) {
                     .striped(true)
                     .num_columns(2)
                     .show(ui, |ui| {
-                        for (keys, action) in shortcuts::LIST {
+                        for (keys, act) in actions::gestures() {
                             ui.strong(keys);
-                            ui.label(action);
+                            ui.label(act);
+                            ui.end_row();
+                        }
+                        for action in all.iter().filter(|action| !action.keys.is_empty()) {
+                            ui.strong(all_keys(ctx, action));
+                            ui.label(in_full(action));
                             ui.end_row();
                         }
                     });
             });
         });
     if !is_open {
-        out.push(Intent::Toggle(Part::Keys));
+        out.push(WindowIntent::Toggle(Part::Keys));
+    }
+}
+
+/// All keys of an action.
+fn all_keys(ctx: &Context, action: &Action) -> String {
+    let keys = action.keys.iter();
+    let texts: Vec<String> = keys.map(|keys| shortcut_text(ctx, keys.shortcut)).collect();
+    texts.join(", ")
+}
+
+/// An action's title, with its submenu's, which says what a short one is about.
+pub(crate) fn in_full(action: &Action) -> String {
+    let Action { title, place, .. } = action;
+    if place.submenu.is_empty() {
+        title.clone()
+    } else {
+        format!("{}: {title}", place.submenu)
     }
 }
 
@@ -55,10 +77,10 @@ pub(crate) fn about_ui(ctx: &Context, facts: &[(String, String)], out: &mut Inte
                 let lines = facts
                     .iter()
                     .map(|(name, value)| format!("{name}: {value}\n"));
-                out.push(Intent::Copy(lines.collect()));
+                out.push(WindowIntent::Copy(lines.collect()));
             }
         });
     if !is_open {
-        out.push(Intent::Toggle(Part::About));
+        out.push(WindowIntent::Toggle(Part::About));
     }
 }

@@ -1,22 +1,23 @@
 //! Where the parts of the window stand, and what each of them shows of the session.
 
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
-use pointstage_engine::stage::Show;
+use pointstage_engine::stage::{SettingValues, Show};
 
+use super::actions::Action;
 use super::app::App;
 use super::intent::{Intents, Tab};
 use super::log::log_ui;
-use super::menu::{Menu, menu_ui};
+use super::menu::menu_ui;
 use super::settings::{self, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Status, status_ui};
 use super::viewport::{Viewport, viewport_ui};
-use super::{help, legend, progress, toasts, welcome};
+use super::{help, legend, presets, progress, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
-    pub(super) fn show(&mut self, ui: &mut Ui, out: &mut Intents) {
-        Panel::top("menu").show(ui, |ui| menu_ui(ui, &self.menu(), out));
+    pub(super) fn show(&mut self, ui: &mut Ui, actions: &[Action], out: &mut Intents) {
+        Panel::top("menu").show(ui, |ui| menu_ui(ui, actions, out));
         let (adapter, no_device) = (self.stage.adapter(), self.stage.no_device());
         Panel::bottom("status").show(ui, |ui| {
             status_ui(ui, &self.status(&adapter, no_device.as_deref()), out);
@@ -43,11 +44,17 @@ impl App {
             .show(ui, |ui| viewport_ui(ui, &viewport, out))
             .inner;
         self.viewport = Some(answer);
-        self.show_over(ui.ctx(), answer.rect, out);
+        self.show_over(ui.ctx(), answer.rect, actions, out);
     }
 
     /// What lies over the picture: legend, welcome, toasts, dialogs.
-    fn show_over(&mut self, ctx: &Context, over: egui::Rect, out: &mut Intents) {
+    fn show_over(
+        &mut self,
+        ctx: &Context,
+        over: egui::Rect,
+        actions: &[Action],
+        out: &mut Intents,
+    ) {
         let is_empty = self.session.scene.objects().is_empty();
         if is_empty && self.tasks.open().is_empty() {
             welcome::welcome_ui(ctx, over, &self.samples, out);
@@ -63,7 +70,7 @@ impl App {
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
         if self.panels.keys {
-            help::keys_ui(ctx, out);
+            help::keys_ui(ctx, actions, out);
         }
         if self.panels.about {
             help::about_ui(ctx, &self.stage.facts(), out);
@@ -72,18 +79,6 @@ impl App {
             && !field.ui(ctx, out)
         {
             self.path_field = None;
-        }
-    }
-
-    fn menu(&self) -> Menu<'_> {
-        Menu {
-            renderers: &self.rows.renderers,
-            chosen: &self.session.renderer,
-            view: &self.session.view,
-            camera: &self.session.camera,
-            targets: self.targets(),
-            is_settings_open: self.panels.settings,
-            is_log_open: self.panels.log,
         }
     }
 
@@ -107,37 +102,59 @@ impl App {
     }
 
     /// The settings panel with its chosen tab.
-    fn settings_ui(&self, ui: &mut Ui, out: &mut Intents) {
+    fn settings_ui(&mut self, ui: &mut Ui, out: &mut Intents) {
+        let focus = self.focus_setting.take();
         let session = &self.session;
         settings::tabs_ui(ui, self.panels.tab, out);
         match self.panels.tab {
             Tab::Renderer => {
+                let structure = session.structure.as_deref();
                 let tab = renderer::RendererTab {
-                    renderers: &self.rows.renderers,
-                    structures: &self.rows.structures,
+                    rows: &self.rows,
                     chosen: &session.renderer,
+                    preview: session.preview.as_deref(),
                     chosen_structure: session.structure.as_deref(),
                     drawn_by: self.shown.as_ref().map(|shown| shown.drawn_by.as_str()),
                     values: &session.chosen_settings(),
+                    structure_values: &structure
+                        .map_or_else(SettingValues::new, |id| session.settings_of(id)),
+                    presets: &presets::list(session, &session.renderer),
+                    focus: focus.as_deref(),
                 };
                 renderer::renderer_ui(ui, &tab, out);
             }
-            Tab::Lighting => lighting::lighting_ui(ui, &session.lights, out),
+            Tab::Lighting => {
+                let tab = lighting::LightingTab {
+                    lights: &session.lights,
+                    scene: &session.scene,
+                    material: session.material,
+                };
+                lighting::lighting_ui(ui, &tab, out);
+            }
             Tab::View => {
+                let range = self.shown.as_ref().and_then(|shown| shown.shown_range);
+                let legend = legend_of(&session.view.show, range);
                 let tab = view::ViewTab {
                     view: &session.view,
                     camera: &session.camera,
                     targets: self.targets(),
+                    legend: legend.as_ref(),
                 };
                 view::view_ui(ui, &tab, out);
             }
             Tab::Scene => scene::scene_ui(ui, &session.scene, &session.warnings, out),
-            Tab::Plugins => plugins::plugins_ui(ui, &self.rows.plugins, out),
+            Tab::Plugins => {
+                let tab = plugins::PluginsTab {
+                    rows: &self.rows,
+                    holdings: &self.stage.holdings(),
+                };
+                plugins::plugins_ui(ui, &tab, out);
+            }
         }
     }
 
     /// Targets that the renderer of the picture writes.
-    fn targets(&self) -> &[String] {
+    pub(super) fn targets(&self) -> &[String] {
         let shown = self.shown.as_ref();
         shown.map_or(&[], |shown| shown.available_targets.as_slice())
     }

@@ -7,7 +7,7 @@ use pointstage_scene::{
     Estimation, Job, LoadError, LoadOptions, Loaded, Object, ObjectId, WarningKind, Winding, load,
 };
 
-use super::intent::{Intent, OpenMode};
+use super::intent::{OpenMode, SceneIntent};
 use super::log::{Log, Offer};
 use super::session::Session;
 use super::tasks::guarded;
@@ -102,7 +102,7 @@ pub(crate) fn arrive(
         let text = format!("{}: {warning}", object.name);
         match warning.kind {
             WarningKind::WoundInward => {
-                let intent = Intent::Flip(id);
+                let intent = SceneIntent::Flip(id).into();
                 log.warn_with(
                     text,
                     Offer {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use pointstage_engine::stage::{Notice, Severity};
 
-use super::intent::{Intent, Intents};
+use super::intent::{Intent, Intents, SceneIntent, WindowIntent};
 
 /// The most entries kept; the oldest go first.
 const MOST: usize = 500;
@@ -209,13 +209,13 @@ pub(crate) fn log_ui(ui: &mut egui::Ui, log: &Log, out: &mut Intents) {
     ui.horizontal(|ui| {
         ui.strong("Log");
         if ui.button("Copy all").clicked() {
-            out.push(Intent::Copy(log.as_text()));
+            out.push(WindowIntent::Copy(log.as_text()));
         }
         if ui.button("Clear").clicked() {
-            out.push(Intent::ClearLog);
+            out.push(WindowIntent::ClearLog);
         }
         if ui.button("Close").clicked() {
-            out.push(Intent::Toggle(super::intent::Part::Log));
+            out.push(WindowIntent::Toggle(super::intent::Part::Log));
         }
     });
     ui.separator();
@@ -252,7 +252,7 @@ fn entry_ui(ui: &mut egui::Ui, entry: &Entry, out: &mut Intents) {
                 out.push(offer.intent.clone());
             }
             if ui.small_button("Copy").clicked() {
-                out.push(Intent::Copy(entry.as_text()));
+                out.push(WindowIntent::Copy(entry.as_text()));
             }
         });
         if !notice.detail.is_empty() {
@@ -305,7 +305,7 @@ mod tests {
     fn a_warning_that_offers_something_stays_until_it_is_answered() {
         let now = Instant::now();
         let mut log = Log::default();
-        let intent = Intent::Flip(pointstage_scene::ObjectId(1));
+        let intent = SceneIntent::Flip(pointstage_scene::ObjectId(1)).into();
         let label = "Flip";
         log.warn_with("wound inward", Offer { label, intent }, now);
         let later = now + 2 * TOAST_TIME;

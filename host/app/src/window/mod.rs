@@ -5,6 +5,7 @@
 //! picture depends on has changed. UI functions never load, render or block: files are read by a worker ([`tasks`]),
 //! pictures are drawn by the stage's own thread, and the last one is shown until the next is there.
 
+mod actions;
 mod app;
 #[cfg(test)]
 mod app_tests;
@@ -12,6 +13,7 @@ mod apply;
 mod asking;
 mod choices;
 mod dialogs;
+mod folder_dialog;
 mod help;
 mod history;
 mod intent;
@@ -23,14 +25,16 @@ mod log;
 mod menu;
 mod navigation;
 mod open;
+mod pacing;
+mod palette;
 mod picture;
 mod presets;
 mod progress;
 mod recommend;
+mod roles;
 mod rows;
 mod session;
 mod settings;
-mod shortcuts;
 mod stage_link;
 mod status;
 mod tasks;
@@ -38,6 +42,7 @@ mod theme;
 mod toasts;
 mod ui_state;
 mod viewport;
+mod views;
 mod welcome;
 
 pub(crate) use open::open;

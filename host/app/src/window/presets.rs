@@ -77,7 +77,9 @@ pub(crate) fn list(session: &Session, owner: &str) -> PresetList {
         None if values.is_empty() => DEFAULTS.to_owned(),
         None => same().map_or(DEFAULTS.to_owned(), |(name, _)| name.clone()),
     };
-    let differs = named.get(&active).map_or(!values.is_empty(), |preset| *preset != values);
+    let differs = named
+        .get(&active)
+        .map_or(!values.is_empty(), |preset| *preset != values);
     PresetList {
         names: named.keys().cloned().collect(),
         active,
@@ -170,7 +172,7 @@ pub(crate) fn delete(session: &mut Session, owner: &str, name: &str) {
 pub(crate) struct Fitted {
     /// Values that fit, as the target's own kinds. Those that are its defaults are left out.
     pub(crate) values: SettingValues,
-    /// Labels of the settings that were taken over, in the schema's order.
+    /// Ids of the settings whose values fit, in the schema's order.
     pub(crate) taken: Vec<String>,
     /// Why others were not, one sentence each.
     pub(crate) refused: Vec<String>,
@@ -185,7 +187,7 @@ pub(crate) fn fit(values: &SettingValues, schema: &[SettingSchema]) -> Fitted {
         };
         match setting.check(value) {
             Ok(value) => {
-                fitted.taken.push(setting.label.clone());
+                fitted.taken.push(setting.id.clone());
                 if setting.default_value().as_ref() != Some(&value) {
                     fitted.values.insert(setting.id.clone(), value);
                 }

@@ -49,11 +49,14 @@ fn a_saved_preset_is_active_until_values_differ_from_it() {
 fn a_chosen_preset_brings_what_the_schema_still_takes() {
     let mut session = session(values(2.0));
     let old = [("gone".to_owned(), SettingValue::Bool(true))];
-    session.settings.entry(OWNER.into()).or_default().extend(old);
+    session
+        .settings
+        .entry(OWNER.into())
+        .or_default()
+        .extend(old);
     save(&mut session, OWNER, "Old").expect("a name");
-    let schema = schema(
-        r#"{ "id": "scale", "kind": "float", "default": 1, "max": 1.5, "label": "Scale" }"#,
-    );
+    let schema =
+        schema(r#"{ "id": "scale", "kind": "float", "default": 1, "max": 1.5, "label": "Scale" }"#);
     let refused = choose(&mut session, OWNER, "Old", &schema);
     assert_eq!(refused.len(), 1, "{refused:?}");
     assert_eq!(session.settings_of(OWNER), SettingValues::new());
@@ -113,7 +116,11 @@ fn copying_takes_what_fits_and_says_what_does_not() {
     );
     let fitted = fit(&shared_values(&from, &SettingValues::new(), &to), &to);
     assert_eq!(fitted.values, values(5.0), "a default needs no entry");
-    assert_eq!(fitted.taken, ["Splat scale", "Hide backs"]);
+    assert_eq!(fitted.taken, ["scale", "cull"]);
     assert_eq!(fitted.refused.len(), 2, "{:?}", fitted.refused);
-    assert!(fitted.refused[1].contains("no option 'hexagon'"), "{:?}", fitted.refused);
+    assert!(
+        fitted.refused[1].contains("no option 'hexagon'"),
+        "{:?}",
+        fitted.refused
+    );
 }

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Order, ProgressBar, Rect, Ui, vec2};
 
-use super::intent::{Intent, Intents};
+use super::intent::{FileIntent, Intents};
 use super::tasks::TaskState;
 
 /// Shows each task with its progress and a button to cancel, in the upper left corner of `over`.
@@ -31,7 +31,7 @@ fn task_ui(ui: &mut Ui, task: &TaskState, out: &mut Intents) {
             let cancel = ui.add_enabled(can_cancel, Button::new("Cancel"));
             let cancel = cancel.accessible_name(name);
             if cancel.clicked() {
-                out.push(Intent::Cancel(task.id));
+                out.push(FileIntent::Cancel(task.id));
             }
             ui.label(&task.title);
             let stage = if task.job.is_cancelled() {

@@ -231,10 +231,7 @@ mod tests {
         let points = gpu(|_| ());
         let disks = gpu(|needs| needs.radii = true);
         let splats = gpu(|needs| (needs.normals, needs.radii) = (true, true));
-        let found = asked(
-            &[(points, true), (splats, true), (disks, true)],
-            EVERYTHING,
-        );
+        let found = asked(&[(points, true), (splats, true), (disks, true)], EVERYTHING);
         assert_eq!(
             found,
             [
@@ -296,14 +293,20 @@ mod tests {
             candidate("steady", &disks, &steady),
         ];
         let found = preview(&candidates, Some(EVERYTHING)).expect("two can draw");
-        assert_eq!((&*found.id, &*found.why), ("steady", "fastest: needs only radii"));
+        assert_eq!(
+            (&*found.id, &*found.why),
+            ("steady", "fastest: needs only radii")
+        );
     }
 
     #[test]
     fn of_equals_the_first_is_recommended_and_nothing_for_an_empty_scene() {
         let points = gpu(|_| ());
         let found = asked(&[(points.clone(), true), (points.clone(), true)], NOTHING);
-        assert_eq!(found.map(|found| found.map(|(id, _)| id)), [Some("a".to_owned()), Some("a".to_owned())]);
+        assert_eq!(
+            found.map(|found| found.map(|(id, _)| id)),
+            [Some("a".to_owned()), Some("a".to_owned())]
+        );
         assert_eq!(Has::of(&Scene::new()), None);
         assert_eq!(main(&[], Has::of(&Scene::new())), None);
     }

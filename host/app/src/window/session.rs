@@ -4,7 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pointstage_engine::stage::{Background, SettingValues, Show};
-use pointstage_scene::{Camera, Lights, ObjectId, Scene, Warnings};
+use pointstage_scene::{Camera, Lights, Material, ObjectId, Scene, Warnings};
+
+use super::pacing::Pacing;
+use super::presets::{ActivePresets, Presets};
+use super::views::StoredViews;
 
 /// All that a picture depends on, and what the user chose for renderers that are not chosen now.
 #[derive(Clone, Debug)]
@@ -17,14 +21,26 @@ pub(crate) struct Session {
     pub(crate) camera: Camera,
     /// The lights.
     pub(crate) lights: Lights,
-    /// The chosen renderer's id.
+    /// The material of objects that come.
+    pub(crate) material: Material,
+    /// The main renderer's id.
     pub(crate) renderer: String,
+    /// The id of the renderer that stands in while things move; none lets the main one draw then too.
+    pub(crate) preview: Option<String>,
     /// The chosen structure's id, if any.
     pub(crate) structure: Option<String>,
     /// Values that differ from the default, by renderer id.
     pub(crate) settings: BTreeMap<String, SettingValues>,
+    /// Values under names.
+    pub(crate) presets: Presets,
+    /// Which of them the values come from.
+    pub(crate) active_presets: ActivePresets,
     /// How the picture is shown.
     pub(crate) view: ViewOptions,
+    /// How often it is drawn.
+    pub(crate) pacing: Pacing,
+    /// Views that were kept.
+    pub(crate) views: StoredViews,
 }
 
 /// How a picture is shown, whatever the renderer.
@@ -63,10 +79,16 @@ impl Session {
             warnings: BTreeMap::new(),
             camera: Camera::default(),
             lights: Lights::default(),
+            material: Material::default(),
             renderer,
+            preview: None,
             structure: None,
             settings: BTreeMap::new(),
+            presets: Presets::new(),
+            active_presets: ActivePresets::new(),
             view: ViewOptions::default(),
+            pacing: Pacing::default(),
+            views: StoredViews::default(),
         }
     }
 

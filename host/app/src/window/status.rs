@@ -5,7 +5,7 @@ use std::time::Duration;
 use egui::{Align, Label, Layout, RichText, Ui};
 use pointstage_engine::stage::{FrameStats, Preparing, Severity};
 
-use super::intent::{Intent, Intents, Part};
+use super::intent::{Intents, Part, WindowIntent};
 use super::log::Log;
 use super::theme;
 
@@ -151,7 +151,7 @@ fn log_button_ui(ui: &mut Ui, log: &Log, out: &mut Intents) {
         RichText::new(text)
     };
     if ui.button(rich).clicked() {
-        out.push(Intent::Toggle(Part::Log));
+        out.push(WindowIntent::Toggle(Part::Log));
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use egui::{Align2, Area, Frame, Id, Order, vec2};
 
-use super::intent::{Intent, Intents, Part};
+use super::intent::{Intents, Part, WindowIntent};
 use super::log::Log;
 use super::theme;
 
@@ -43,14 +43,14 @@ pub(crate) fn toasts_ui(ctx: &egui::Context, over: egui::Rect, log: &Log, out: &
                             let close = ui.small_button("×").on_hover_text("Dismiss");
                             let close = close.accessible_name("Dismiss");
                             if close.clicked() {
-                                out.push(Intent::Dismiss(entry.id));
+                                out.push(WindowIntent::Dismiss(entry.id));
                             }
                             if ui.small_button("Copy").clicked() {
-                                out.push(Intent::Copy(entry.as_text()));
+                                out.push(WindowIntent::Copy(entry.as_text()));
                             }
                             if !notice.detail.is_empty() && ui.small_button("Details").clicked() {
-                                out.push(Intent::Dismiss(entry.id));
-                                out.push(Intent::Toggle(Part::Log));
+                                out.push(WindowIntent::Dismiss(entry.id));
+                                out.push(WindowIntent::Toggle(Part::Log));
                             }
                         });
                     });
@@ -59,7 +59,7 @@ pub(crate) fn toasts_ui(ctx: &egui::Context, over: egui::Rect, log: &Log, out: &
                         && ui.button(offer.label).clicked()
                     {
                         out.push(offer.intent.clone());
-                        out.push(Intent::Dismiss(entry.id));
+                        out.push(WindowIntent::Dismiss(entry.id));
                     }
                 });
             }
@@ -68,7 +68,7 @@ pub(crate) fn toasts_ui(ctx: &egui::Context, over: egui::Rect, log: &Log, out: &
                     .small_button(format!("{hidden} more in the log"))
                     .clicked()
             {
-                out.push(Intent::Toggle(Part::Log));
+                out.push(WindowIntent::Toggle(Part::Log));
             }
         });
 }

@@ -5,7 +5,7 @@ use egui::{
 };
 use pointstage_plugin_api::abi::Interaction;
 
-use super::intent::{Intent, Intents};
+use super::intent::{CameraIntent, Intents};
 use super::navigation::{CameraMove, KEY_TURN_RAD};
 
 /// One notch of the wheel (50 points) brings the scene 1.25 times nearer: exp(50 · 0.00446).
@@ -28,6 +28,8 @@ pub(crate) struct Viewport {
 /// What the viewport found out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ViewportAnswer {
+    /// The picture's widget.
+    pub(crate) id: egui::Id,
     /// Where it is, points.
     pub(crate) rect: Rect,
     /// Its size, px; at least 1.
@@ -51,6 +53,7 @@ pub(crate) fn viewport_ui(ui: &mut Ui, viewport: &Viewport, out: &mut Intents) -
         key_moves(ui, response.id, out);
     }
     ViewportAnswer {
+        id: response.id,
         rect,
         size_px: [to_px(rect.width()), to_px(rect.height())],
         interaction: if moved {
@@ -104,9 +107,9 @@ fn drag_moves(ui: &Ui, response: &egui::Response, rect: Rect, out: &mut Intents)
     let is_left = response.dragged_by(PointerButton::Primary);
     let is_pan = response.dragged_by(PointerButton::Middle) || (is_left && is_shift);
     if is_pan {
-        out.push(Intent::Move(CameraMove::Pan { right, up }));
+        out.push(CameraIntent::Move(CameraMove::Pan { right, up }));
     } else if is_left {
-        out.push(Intent::Move(CameraMove::Drag { right, up }));
+        out.push(CameraIntent::Move(CameraMove::Drag { right, up }));
     }
     is_pan || is_left
 }
@@ -122,7 +125,7 @@ fn wheel_moves(ui: &Ui, response: &egui::Response, rect: Rect, out: &mut Intents
         return false;
     }
     let from_middle = (pointer - rect.center()) / rect.height().max(1.0);
-    out.push(Intent::Move(CameraMove::Zoom {
+    out.push(CameraIntent::Move(CameraMove::Zoom {
         factor,
         right: f64::from(from_middle.x),
         up: -f64::from(from_middle.y),
@@ -146,12 +149,12 @@ fn key_moves(ui: &Ui, id: egui::Id, out: &mut Intents) {
     ];
     for (key, right, up) in arrows {
         if ui.input_mut(|input| input.consume_key(Modifiers::SHIFT, key)) {
-            out.push(Intent::Move(CameraMove::Pan {
+            out.push(CameraIntent::Move(CameraMove::Pan {
                 right: right * 0.05,
                 up: up * 0.05,
             }));
         } else if ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)) {
-            out.push(Intent::Move(CameraMove::Turn {
+            out.push(CameraIntent::Move(CameraMove::Turn {
                 yaw_rad: right * KEY_TURN_RAD,
                 pitch_rad: up * KEY_TURN_RAD,
             }));
@@ -164,7 +167,7 @@ fn key_moves(ui: &Ui, id: egui::Id, out: &mut Intents) {
     ];
     for (key, factor) in zooms {
         if ui.input(|input| input.key_pressed(key) && input.modifiers.is_none()) {
-            out.push(Intent::Move(CameraMove::Zoom {
+            out.push(CameraIntent::Move(CameraMove::Zoom {
                 factor,
                 right: 0.0,
                 up: 0.0,

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Context, Frame, Id, Order, Rect};
 
-use super::intent::{Intent, Intents, OpenMode};
+use super::intent::{FileIntent, Intents, OpenMode};
 
 /// Shows, over the empty picture, how to get something onto the stage.
 pub(crate) fn welcome_ui(
@@ -22,10 +22,10 @@ pub(crate) fn welcome_ui(
                 ui.label("Drop a PLY file here, or open one:");
                 ui.horizontal_wrapped(|ui| {
                     if ui.button("Open…").clicked() {
-                        out.push(Intent::ChooseFiles(OpenMode::Replace));
+                        out.push(FileIntent::Choose(OpenMode::Replace));
                     }
                     if ui.button("Type a path…").clicked() {
-                        out.push(Intent::TypePath(OpenMode::Replace));
+                        out.push(FileIntent::TypePath(OpenMode::Replace));
                     }
                 });
                 if !samples.is_empty() {
@@ -35,7 +35,7 @@ pub(crate) fn welcome_ui(
                         for sample in samples {
                             let name = sample.file_stem().unwrap_or_default().to_string_lossy();
                             if ui.button(name.replace('_', " ")).clicked() {
-                                out.push(Intent::Open(vec![sample.clone()], OpenMode::Replace));
+                                out.push(FileIntent::Open(vec![sample.clone()], OpenMode::Replace));
                             }
                         }
                     });

@@ -114,5 +114,10 @@ fn red_and_green_that_people_confuse_are_found_out() {
     let (_, full) = &VISIONS[0];
     let (red, green) = ([190, 90, 60], [110, 125, 40]);
     let apart = |vision| distance(lab(red, vision), lab(green, vision));
-    assert!(apart(full) > 40.0 && apart(deuteranopia) < LEAST_DISTANCE, "{} {}", apart(full), apart(deuteranopia));
+    assert!(
+        apart(full) > 40.0 && apart(deuteranopia) < LEAST_DISTANCE,
+        "{} {}",
+        apart(full),
+        apart(deuteranopia)
+    );
 }

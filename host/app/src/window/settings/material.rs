@@ -15,9 +15,7 @@ pub(super) fn material_ui(ui: &mut Ui, scene: &Scene, to_come: Material, out: &m
         .iter()
         .filter(|object| object.selected)
         .collect();
-    let shown = selected
-        .first()
-        .map_or(to_come, |object| object.material);
+    let shown = selected.first().map_or(to_come, |object| object.material);
     ui.horizontal(|ui| {
         ui.strong("Material");
         if shown != Material::default() {
@@ -33,9 +31,21 @@ pub(super) fn material_ui(ui: &mut Ui, scene: &Scene, to_come: Material, out: &m
     }
     let mut edited = shown;
     let parts = [
-        ("Ambient ka", "Part of the ambient light reflected", &mut edited.ka),
-        ("Diffuse kd", "Part of the light reflected in all directions", &mut edited.kd),
-        ("Specular ks", "Part of the light reflected as a white highlight", &mut edited.ks),
+        (
+            "Ambient ka",
+            "Part of the ambient light reflected",
+            &mut edited.ka,
+        ),
+        (
+            "Diffuse kd",
+            "Part of the light reflected in all directions",
+            &mut edited.kd,
+        ),
+        (
+            "Specular ks",
+            "Part of the light reflected as a white highlight",
+            &mut edited.ks,
+        ),
     ];
     for (name, help, value) in parts {
         super::row(ui, name, help, |ui| {
@@ -55,7 +65,11 @@ pub(super) fn material_ui(ui: &mut Ui, scene: &Scene, to_come: Material, out: &m
         },
     );
     let values = [edited.ka, edited.kd, edited.ks, edited.shininess];
-    if edited != shown && values.iter().all(|value| value.is_finite() && *value >= 0.0) {
+    if edited != shown
+        && values
+            .iter()
+            .all(|value| value.is_finite() && *value >= 0.0)
+    {
         out.push(LightIntent::Material(edited));
     }
 }

@@ -16,7 +16,7 @@ pub(super) mod view;
 #[cfg(test)]
 mod tests;
 
-use super::intent::{Intent, Intents, Tab};
+use super::intent::{Intents, Tab, WindowIntent};
 
 /// The tabs with their names, in order.
 const TABS: [(Tab, &str); 5] = [
@@ -48,7 +48,7 @@ pub(super) fn tabs_ui(ui: &mut egui::Ui, chosen: Tab, out: &mut Intents) {
             ui.ctx()
                 .accesskit_node_builder(label.id, |node| node.set_role(egui::Role::Tab));
             if label.clicked() {
-                out.push(Intent::ChooseTab(tab));
+                out.push(WindowIntent::ChooseTab(tab));
             }
         }
     });

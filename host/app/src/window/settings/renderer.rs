@@ -119,7 +119,10 @@ fn drawn_by_ui(ui: &mut Ui, tab: &RendererTab<'_>) {
     let Some(drawn_by) = tab.drawn_by.filter(stranger) else {
         return;
     };
-    let title = tab.rows.renderer(drawn_by).map_or(drawn_by, |row| &row.title);
+    let title = tab
+        .rows
+        .renderer(drawn_by)
+        .map_or(drawn_by, |row| &row.title);
     ui.indent("drawn_by", |ui| {
         let color = theme::severity_color(ui, Severity::Warning);
         ui.colored_label(color, format!("The picture is by {title} meanwhile."));
@@ -207,7 +210,10 @@ fn structures_ui(ui: &mut Ui, tab: &RendererTab<'_>, out: &mut Intents) {
                 .truncate()
                 .selected_text(shown)
                 .show_ui(ui, |ui| {
-                    if ui.selectable_label(chosen.is_none(), NO_STRUCTURE).clicked() {
+                    if ui
+                        .selectable_label(chosen.is_none(), NO_STRUCTURE)
+                        .clicked()
+                    {
                         out.push(RendererIntent::ChooseStructure(None));
                     }
                     for row in structures {

@@ -52,7 +52,9 @@ fn selection_ui(ui: &mut Ui, scene: &Scene, out: &mut Intents) {
 fn object_ui(ui: &mut Ui, object: &Object, warnings: Option<&Warnings>, out: &mut Intents) {
     ui.horizontal(|ui| {
         let mut visible = object.visible;
-        let shown = ui.checkbox(&mut visible, "").on_hover_text("Whether it is drawn");
+        let shown = ui
+            .checkbox(&mut visible, "")
+            .on_hover_text("Whether it is drawn");
         if shown
             .accessible_name(format!("Show {}", object.name))
             .changed()

@@ -66,7 +66,6 @@ pub(super) fn value_ui(ui: &mut Ui, setting: &SettingSchema, value: &SettingValu
     }
 }
 
-
 /// Brings a typed number into the hard range, and says so.
 fn checked(
     setting: &SettingSchema,

@@ -5,7 +5,7 @@ use pointstage_engine::frame::legend::Legend;
 use pointstage_engine::stage::Background;
 use pointstage_scene::{Camera, Projection};
 
-use crate::window::intent::{Intent, Intents};
+use crate::window::intent::{CameraIntent, Intents, ViewIntent};
 use crate::window::menu::show_choices_ui;
 use crate::window::navigation::{Axis, CameraMove, UpAxis, fov_degrees};
 use crate::window::session::{DEFAULT_BACKGROUND, ViewOptions};
@@ -60,7 +60,7 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
             "Exposure",
             "Factor on the colours",
             tab.view.exposure,
-            Intent::Exposure,
+            ViewIntent::Exposure,
             out,
         );
         stops_ui(ui, tab.view.exposure, out);
@@ -69,7 +69,7 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
             "Radius scale",
             "Factor on every surfel's radius",
             tab.view.radius_scale,
-            Intent::RadiusScale,
+            ViewIntent::RadiusScale,
             out,
         );
         background_ui(ui, tab.view.background, out);
@@ -85,7 +85,7 @@ fn factor_ui(
     label: &str,
     help: &str,
     value: f32,
-    intent: impl Fn(f32) -> Intent,
+    intent: impl Fn(f32) -> ViewIntent,
     out: &mut Intents,
 ) {
     super::row(ui, label, help, |ui| {
@@ -161,7 +161,7 @@ fn background_ui(ui: &mut Ui, background: Background, out: &mut Intents) {
         }
     });
     if edited != background {
-        out.push(Intent::Background(edited));
+        out.push(ViewIntent::Background(edited));
     }
 }
 
@@ -188,7 +188,7 @@ fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
         let orthographic = ui.selectable_label(!is_perspective, "orthographic");
         if (perspective.clicked() && !is_perspective) || (orthographic.clicked() && is_perspective)
         {
-            out.push(Intent::Move(CameraMove::SwitchProjection));
+            out.push(CameraIntent::Move(CameraMove::SwitchProjection));
         }
     });
     match camera.projection {
@@ -200,7 +200,7 @@ fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
                     .max_decimals(1);
                 if ui.add(slider).changed() {
                     let fov_y_rad = degrees.to_radians();
-                    out.push(Intent::Project(Projection::Perspective { fov_y_rad }));
+                    out.push(CameraIntent::Project(Projection::Perspective { fov_y_rad }));
                 }
             });
         }
@@ -211,7 +211,9 @@ fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
                     .speed(height * 0.01)
                     .max_decimals(6);
                 if ui.add(drag).changed() && edited > 0.0 && edited.is_finite() {
-                    out.push(Intent::Project(Projection::Orthographic { height: edited }));
+                    out.push(CameraIntent::Project(Projection::Orthographic {
+                        height: edited,
+                    }));
                 }
             });
         }
@@ -224,7 +226,7 @@ fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
             let now = UpAxis::of(camera);
             for (axis, name) in [(UpAxis::Y, "Y"), (UpAxis::Z, "Z")] {
                 if ui.selectable_label(axis == now, name).clicked() && axis != now {
-                    out.push(Intent::Move(CameraMove::Upwards(axis)));
+                    out.push(CameraIntent::Move(CameraMove::Upwards(axis)));
                 }
             }
         },
@@ -235,11 +237,11 @@ fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
             .on_hover_text("F or Home")
             .clicked()
         {
-            out.push(Intent::Move(CameraMove::Frame));
+            out.push(CameraIntent::Move(CameraMove::Frame));
         }
         for (axis, name) in Axis::ALL {
             if ui.button(name).clicked() {
-                out.push(Intent::Move(CameraMove::Axis(axis)));
+                out.push(CameraIntent::Move(CameraMove::Axis(axis)));
             }
         }
     });

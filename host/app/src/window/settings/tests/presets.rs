@@ -26,7 +26,10 @@ fn type_name(harness: &mut Harness<'static, Intents>, name: &str) {
 fn the_active_preset_is_named_and_another_one_chosen() {
     let mut harness = tab("Soft", true);
     let list = harness.get_by_role_and_label(Role::ComboBox, "Preset");
-    assert_eq!(list.accesskit_node().value().as_deref(), Some("Soft (changed)"));
+    assert_eq!(
+        list.accesskit_node().value().as_deref(),
+        Some("Soft (changed)")
+    );
     choose(&mut harness, "Preset", "Sharp");
     assert_asked(&harness, RendererIntent::ChoosePreset("Sharp".into()));
 }
@@ -85,7 +88,10 @@ fn a_preset_is_saved_renamed_and_deleted() {
     harness.get_by_label("OK").click();
     harness.run();
     let asked = format!("{:?}", harness.state());
-    assert!(asked.contains("RenamePreset") && asked.contains("from: \"Soft\""), "{asked}");
+    assert!(
+        asked.contains("RenamePreset") && asked.contains("from: \"Soft\""),
+        "{asked}"
+    );
 
     let mut harness = tab("Soft", false);
     harness.get_by_label("Delete preset").click();
@@ -118,5 +124,8 @@ fn values_are_copied_from_another_renderer() {
     harness.run();
     harness.get_by_label("Dots").click();
     harness.run();
-    assert_asked(&harness, RendererIntent::CopyFrom("org.example.dots".into()));
+    assert_asked(
+        &harness,
+        RendererIntent::CopyFrom("org.example.dots".into()),
+    );
 }

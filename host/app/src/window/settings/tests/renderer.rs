@@ -105,7 +105,11 @@ fn a_preview_is_chosen_from_a_list_where_the_main_renderer_is_none() {
         .get_by_role_and_label(Role::ComboBox, "Preview")
         .click();
     harness.run();
-    assert_eq!(harness.query_all_by_label("Lit splats").count(), 2, "radio and heading alone");
+    assert_eq!(
+        harness.query_all_by_label("Lit splats").count(),
+        2,
+        "radio and heading alone"
+    );
     harness.get_by_label("Recommended: fastest: needs positions only.");
     harness
         .get_by_role_and_label(Role::Button, "Points")
@@ -125,7 +129,11 @@ fn an_unsuitable_preview_is_grey_and_one_that_became_so_says_why() {
     assert!(button.accesskit_node().is_disabled());
     let harness = tab(splats_need_normals(), "a", Some("b"), "a");
     let reason = "It needs normals, and 'scan' has none.";
-    assert_eq!(harness.query_all_by_label(reason).count(), 2, "in the list and below the preview");
+    assert_eq!(
+        harness.query_all_by_label(reason).count(),
+        2,
+        "in the list and below the preview"
+    );
 }
 
 #[test]
@@ -140,8 +148,9 @@ fn a_stranger_s_picture_is_named_and_the_preview_s_is_not() {
 fn the_structure_s_settings_stand_below() {
     let mut rows = points_and_splats();
     let mut tree = renderer("tree", "Sequential point tree");
-    tree.settings =
-        schema_of(r#"{ "id": "fan", "kind": "int", "default": 8, "min": 2, "max": 64, "label": "Fan-out" }"#);
+    tree.settings = schema_of(
+        r#"{ "id": "fan", "kind": "int", "default": 8, "min": 2, "max": 64, "label": "Fan-out" }"#,
+    );
     rows.structures = vec![tree];
     let mut harness = tab(rows, "a", None, "a");
     let slider = harness.get_by_role_and_label(Role::Slider, "Fan-out");
@@ -166,10 +175,19 @@ fn only_renderers_with_settings_of_the_same_id_can_be_copied_from() {
     let mut harness = tab(all, "a", None, "a");
     harness.get_by_label("Copy from…").click();
     harness.run();
-    assert!(harness.query_by_role_and_label(Role::Button, "Dots").is_none());
+    assert!(
+        harness
+            .query_by_role_and_label(Role::Button, "Dots")
+            .is_none()
+    );
     harness
         .get_by_role_and_label(Role::Button, "Lit splats")
         .click();
     harness.run();
     assert_asked(&harness, RendererIntent::CopyFrom("b".into()));
+}
+
+/// The tab with two renderers, for other tests.
+pub(super) fn points_and_splats_tab() -> Harness<'static, Intents> {
+    tab(points_and_splats(), "a", None, "a")
 }

@@ -92,7 +92,10 @@ fn a_checkbox_sets_and_its_reset_takes_back() {
     assert_eq!(checkbox.accesskit_node().toggled(), Some(Toggled::True));
     checkbox.click();
     harness.run();
-    assert_eq!(harness.state().value("cull"), Some(&SettingValue::Bool(false)));
+    assert_eq!(
+        harness.state().value("cull"),
+        Some(&SettingValue::Bool(false))
+    );
     harness.get_by_label("Reset Cull back faces").click();
     harness.run();
     assert_eq!(harness.state().values, SettingValues::new());
@@ -115,7 +118,10 @@ fn a_typed_value_reaches_the_hard_range_and_beyond_it_the_field_says_why_not() {
     );
     assert!(harness.query_by_label_contains("is outside").is_none());
     set(&mut harness, 1e6);
-    assert_eq!(harness.state().value("scale"), Some(&SettingValue::Float(100.0)));
+    assert_eq!(
+        harness.state().value("scale"),
+        Some(&SettingValue::Float(100.0))
+    );
     harness.get_by_label("1000000 is outside 0.01 … 100 px; 100 was taken.");
     set(&mut harness, 10.0);
     assert!(
@@ -130,7 +136,10 @@ fn a_number_with_one_open_end_has_a_hard_range_too() {
     let field = harness.get_by_role_and_label(Role::SpinButton, "Offset");
     field.set_value_accesskit(7.0);
     harness.run();
-    assert_eq!(harness.state().value("offset"), Some(&SettingValue::Float(5.0)));
+    assert_eq!(
+        harness.state().value("offset"),
+        Some(&SettingValue::Float(5.0))
+    );
     harness.get_by_label("7 is outside −∞ … 5; 5 was taken.");
 }
 
@@ -179,7 +188,10 @@ fn an_action_is_pressed() {
     harness.get_by_label("Rebuild tree").click();
     harness.run();
     let asked = &harness.state().asked;
-    assert!(asked.contains(&RendererIntent::Press("rebuild".into()).into()), "{asked:?}");
+    assert!(
+        asked.contains(&RendererIntent::Press("rebuild".into()).into()),
+        "{asked:?}"
+    );
 }
 
 #[test]
@@ -187,7 +199,9 @@ fn a_group_folds_and_resets_its_settings() {
     let mut harness = harness();
     let slider = harness.get_by_role_and_label(Role::Slider, "Passes");
     slider.set_value_accesskit(5.0);
-    harness.get_by_role_and_label(Role::CheckBox, "Cull back faces").click();
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Cull back faces")
+        .click();
     harness.run();
     let slider = harness.get_by_role_and_label(Role::Slider, "Amount");
     slider.set_value_accesskit(0.9);
@@ -198,10 +212,14 @@ fn a_group_folds_and_resets_its_settings() {
     let left: Vec<&String> = harness.state().values.keys().collect();
     assert_eq!(left, ["cull"], "what is not of the group stays");
 
-    harness.get_by_role_and_label(Role::Button, "Quality").click();
+    harness
+        .get_by_role_and_label(Role::Button, "Quality")
+        .click();
     harness.run();
     assert!(harness.query_by_label("Passes").is_none(), "folded");
-    harness.get_by_role_and_label(Role::Button, "Quality").click();
+    harness
+        .get_by_role_and_label(Role::Button, "Quality")
+        .click();
     harness.run();
     assert!(harness.query_all_by_label("Passes").next().is_some());
 }
@@ -209,7 +227,9 @@ fn a_group_folds_and_resets_its_settings() {
 #[test]
 fn a_search_leaves_what_is_meant_and_unfolds_it() {
     let mut harness = harness();
-    harness.get_by_role_and_label(Role::Button, "Quality").click();
+    harness
+        .get_by_role_and_label(Role::Button, "Quality")
+        .click();
     harness.run();
     let search = harness.get_by_role_and_label(Role::TextInput, "Search the settings");
     search.focus();
@@ -217,7 +237,10 @@ fn a_search_leaves_what_is_meant_and_unfolds_it() {
     let search = harness.get_by_role_and_label(Role::TextInput, "Search the settings");
     search.type_text("PASS");
     harness.run();
-    assert!(harness.query_all_by_label("Passes").next().is_some(), "in a folded group");
+    assert!(
+        harness.query_all_by_label("Passes").next().is_some(),
+        "in a folded group"
+    );
     assert!(harness.query_by_label("Offset").is_none());
     harness.get_by_label("clear").click();
     harness.run();
@@ -234,7 +257,9 @@ fn few_settings_need_no_search() {
 #[test]
 fn a_sought_setting_gets_the_keyboard_though_its_group_is_folded() {
     let mut harness = harness();
-    harness.get_by_role_and_label(Role::Button, "Quality").click();
+    harness
+        .get_by_role_and_label(Role::Button, "Quality")
+        .click();
     harness.run();
     harness.state_mut().focus = Some("passes".to_owned());
     harness.run();
@@ -246,7 +271,9 @@ fn a_sought_setting_gets_the_keyboard_though_its_group_is_folded() {
 fn a_structure_s_settings_are_its_own_and_it_has_no_actions() {
     let mut harness = harness_of(every_kind(), Owner::Structure);
     assert!(harness.query_by_label("Rebuild tree").is_none());
-    harness.get_by_role_and_label(Role::CheckBox, "Cull back faces").click();
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Cull back faces")
+        .click();
     harness.run();
     let asked: &[Intent] = &harness.state().asked;
     let set = RendererIntent::SetOfStructure("cull".into(), SettingValue::Bool(false));

@@ -71,7 +71,10 @@ fn backgrounds_are_a_click_away() {
     let mut harness = tab(ViewOptions::default());
     harness.get_by_label("Black background").click();
     harness.run();
-    assert_asked(&harness, ViewIntent::Background(Background::Solid([0.0; 3])));
+    assert_asked(
+        &harness,
+        ViewIntent::Background(Background::Solid([0.0; 3])),
+    );
     let mut harness = tab(ViewOptions::default());
     choose(&mut harness, "Background", "transparent");
     assert_asked(&harness, ViewIntent::Background(Background::Transparent));

@@ -1,0 +1,42 @@
+//! The *Renderer* menu: which renderer draws.
+
+use super::{Action, Menu, Place};
+use crate::window::app::App;
+use crate::window::intent::{RendererIntent, Tab, WindowIntent};
+
+pub(super) fn actions(app: &App) -> Vec<Action> {
+    let (choose, more) = (Place::new(Menu::Renderer, 0), Place::new(Menu::Renderer, 2));
+    let mut actions: Vec<Action> = app
+        .rows
+        .renderers
+        .iter()
+        .map(|row| {
+            let intent = RendererIntent::Choose(row.id.clone());
+            let reason = row
+                .obstacle
+                .as_ref()
+                .map(|obstacle| obstacle.reason.clone());
+            Action::new(
+                format!("renderer.choose.{}", row.id),
+                &row.title,
+                choose,
+                intent,
+            )
+            .on(row.id == app.session.renderer)
+            .unless(reason)
+        })
+        .collect();
+    actions.push(Action::new(
+        "renderer.settings",
+        "Settings…",
+        more,
+        WindowIntent::ChooseTab(Tab::Renderer),
+    ));
+    actions.push(Action::new(
+        "renderer.plugins",
+        "Plugins…",
+        more,
+        WindowIntent::ChooseTab(Tab::Plugins),
+    ));
+    actions
+}

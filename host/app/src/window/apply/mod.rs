@@ -1,0 +1,40 @@
+//! Carries out what the user asked for: one file an area, as the intents are.
+
+mod camera;
+mod edit;
+mod export;
+mod file;
+mod inspect;
+mod light;
+mod plugins;
+mod renderer;
+mod scene;
+mod view;
+mod views;
+mod window;
+
+use egui::Context;
+
+use super::app::App;
+use super::intent::Intent;
+
+impl App {
+    /// Carries out one intent.
+    pub(super) fn apply(&mut self, ctx: &Context, intent: Intent) {
+        tracing::debug!(?intent);
+        match intent {
+            Intent::File(intent) => self.apply_file(intent),
+            Intent::Edit(intent) => self.apply_edit(ctx, intent),
+            Intent::Renderer(intent) => self.apply_renderer(intent),
+            Intent::Camera(intent) => self.apply_camera(intent),
+            Intent::Views(intent) => self.apply_views(intent),
+            Intent::Light(intent) => self.apply_light(intent),
+            Intent::View(intent) => self.apply_view(intent),
+            Intent::Scene(intent) => self.apply_scene(intent),
+            Intent::Plugins(intent) => self.apply_plugins(intent),
+            Intent::Export(intent) => self.apply_export(intent),
+            Intent::Inspect(intent) => self.apply_inspect(intent),
+            Intent::Window(intent) => self.apply_window(ctx, intent),
+        }
+    }
+}

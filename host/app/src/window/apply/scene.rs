@@ -1,0 +1,106 @@
+//! Carries out intents about the objects.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use pointstage_engine::stage::Severity;
+use pointstage_scene::{LoadOptions, Object, ObjectId, Provenance, WarningKind};
+
+use crate::window::app::App;
+use crate::window::intent::SceneIntent;
+use crate::window::loading::{Place, flipped, with_estimates};
+
+impl App {
+    pub(super) fn apply_scene(&mut self, intent: SceneIntent) {
+        match intent {
+            SceneIntent::Estimate => self.estimate(),
+            SceneIntent::Flip(id) => self.flip(id),
+            SceneIntent::SetVisible(id, visible) => {
+                self.session
+                    .edit_scene(|scene| scene.edit(id, |object| object.visible = visible));
+            }
+            SceneIntent::Select(id) => self.select(|object| object.id == id),
+            SceneIntent::ToggleSelected(id) => {
+                self.select(|object| object.selected != (object.id == id));
+            }
+            SceneIntent::SelectAll => self.select(|_| true),
+            SceneIntent::SelectNone => self.select(|_| false),
+            SceneIntent::Remove(id) => {
+                self.session.edit_scene(|scene| scene.remove(id));
+                self.session.warnings.remove(&id);
+            }
+        }
+    }
+
+    /// Selects just the objects of which `is_selected` says yes.
+    fn select(&mut self, is_selected: impl Fn(&Object) -> bool) {
+        let objects = self.session.scene.objects().iter();
+        let changed: Vec<ObjectId> = objects
+            .filter(|object| is_selected(object) != object.selected)
+            .map(|object| object.id)
+            .collect();
+        if changed.is_empty() {
+            return;
+        }
+        self.session.edit_scene(|scene| {
+            for id in changed {
+                scene.edit(id, |object| object.selected = !object.selected);
+            }
+        });
+    }
+
+    fn estimate(&mut self) {
+        let objects = self.without_estimates();
+        if objects.is_empty() {
+            let text = "No object with a file lacks normals or radii.";
+            self.log.say(Severity::Info, text, Instant::now());
+        }
+        for (id, path) in objects {
+            let options = with_estimates(self.loaded_as(id));
+            self.push_load(
+                path,
+                options,
+                Place::InsteadOf(id),
+                "Estimate normals and radii of",
+            );
+        }
+    }
+
+    fn flip(&mut self, id: ObjectId) {
+        let source = self
+            .session
+            .scene
+            .object(id)
+            .and_then(|object| object.source.clone());
+        if let Some(path) = source {
+            let options = flipped(self.loaded_as(id));
+            self.push_load(path, options, Place::InsteadOf(id), "Flip");
+        }
+    }
+
+    /// How the object's file was loaded, as its warnings tell.
+    pub(in crate::window) fn loaded_as(&self, id: ObjectId) -> LoadOptions {
+        let is_flipped = self
+            .session
+            .warnings
+            .get(&id)
+            .is_some_and(|warnings| warnings.count(&WarningKind::Flipped) > 0);
+        if is_flipped {
+            flipped(LoadOptions::default())
+        } else {
+            LoadOptions::default()
+        }
+    }
+
+    /// Objects that lack normals or radii, with the files to read them from again.
+    fn without_estimates(&self) -> Vec<(ObjectId, PathBuf)> {
+        let objects = self.session.scene.objects().iter();
+        objects
+            .filter(|object| {
+                let origins = &object.geometry.origins;
+                origins.normals == Provenance::Missing || origins.radii == Provenance::Missing
+            })
+            .filter_map(|object| Some((object.id, object.source.clone()?)))
+            .collect()
+    }
+}

@@ -1,0 +1,39 @@
+//! Carries out intents about the window itself.
+
+use egui::{Context, ViewportCommand};
+
+use crate::window::app::App;
+use crate::window::intent::{Part, Tab, WindowIntent};
+
+impl App {
+    pub(super) fn apply_window(&mut self, ctx: &Context, intent: WindowIntent) {
+        match intent {
+            WindowIntent::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            WindowIntent::Toggle(part) => self.toggle(part),
+            WindowIntent::ChooseTab(tab) => {
+                self.panels.settings = true;
+                self.panels.tab = tab;
+            }
+            WindowIntent::FocusSetting(id) => {
+                self.panels.settings = true;
+                self.panels.tab = Tab::Renderer;
+                self.focus_setting = Some(id);
+            }
+            WindowIntent::Copy(text) => ctx.copy_text(text),
+            WindowIntent::Dismiss(id) => self.log.dismiss(id),
+            WindowIntent::ClearLog => self.log.clear(),
+        }
+    }
+
+    fn toggle(&mut self, part: Part) {
+        let panel = match part {
+            Part::Settings => &mut self.panels.settings,
+            Part::Log => &mut self.panels.log,
+            Part::Inspector => &mut self.panels.inspector,
+            Part::Palette => return self.palette.toggle(),
+            Part::Keys => &mut self.panels.keys,
+            Part::About => &mut self.panels.about,
+        };
+        *panel = !*panel;
+    }
+}

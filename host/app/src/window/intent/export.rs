@@ -1,0 +1,8 @@
+//! Intents about pictures in files.
+
+/// What to write.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ExportIntent {
+    /// Show the dialog that saves the picture.
+    ShowDialog,
+}
