@@ -82,9 +82,11 @@ impl Bench {
             .window
             .wait_for_state("the value", |state| Some(setting(state, id).clone()))?;
         let from = (left + (right - left) / 3, y);
-        self.desk.window.drag_until(from, (right - 2, y), 1, |state| {
-            *setting(state, id) != before
-        })
+        self.desk
+            .window
+            .drag_until(from, (right - 2, y), 1, |state| {
+                *setting(state, id) != before
+            })
     }
 }
 
@@ -99,11 +101,17 @@ fn every_kind_of_setting_is_changed_by_hand_and_all_is_undone() -> Result<()> {
     bench.changed("switch", |value| *value == true)?;
 
     bench.drag("Count", "count")?;
-    bench.changed("count", |value| value.as_i64().is_some_and(|count| count > 2))?;
+    bench.changed("count", |value| {
+        value.as_i64().is_some_and(|count| count > 2)
+    })?;
     bench.drag("Amount", "amount")?;
-    bench.changed("amount", |value| value.as_f64().is_some_and(|part| part > 0.5))?;
+    bench.changed("amount", |value| {
+        value.as_f64().is_some_and(|part| part > 0.5)
+    })?;
     bench.drag("Scale", "scale")?;
-    bench.changed("scale", |value| value.as_f64().is_some_and(|scale| scale > 1.0))?;
+    bench.changed("scale", |value| {
+        value.as_f64().is_some_and(|scale| scale > 1.0)
+    })?;
 
     bench.desk.window.click_on("SpinButton", "Offset")?;
     bench.desk.window.find("TextInput", "Offset")?;
@@ -116,7 +124,9 @@ fn every_kind_of_setting_is_changed_by_hand_and_all_is_undone() -> Result<()> {
     bench.changed("form", |value| *value == "square")?;
     // It was not there before.
     bench.drag("Corner", "corner")?;
-    bench.changed("corner", |value| value.as_f64().is_some_and(|part| part > 0.5))?;
+    bench.changed("corner", |value| {
+        value.as_f64().is_some_and(|part| part > 0.5)
+    })?;
 
     bench.desk.window.click_on("TextInput", "Note")?;
     bench.desk.window.press_keys("End")?;

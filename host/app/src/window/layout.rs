@@ -1,17 +1,21 @@
 //! Where the parts of the window stand, and what each of them shows of the session.
 
+use std::time::Instant;
+
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
-use pointstage_engine::stage::{SettingValues, Show};
+use pointstage_engine::stage::{Background, SettingValues, Show};
 
 use super::actions::Action;
 use super::app::App;
-use super::intent::{Intents, Tab};
+use super::facts::facts_at;
+use super::inspector::{self, pixel_at};
+use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
 use super::settings::{self, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
-use super::status::{Status, status_ui};
-use super::viewport::{Viewport, viewport_ui};
+use super::status::{Numbers, Status, status_ui};
+use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
 use super::{help, legend, presets, progress, toasts, welcome};
 
 impl App {
@@ -19,8 +23,13 @@ impl App {
     pub(super) fn show(&mut self, ui: &mut Ui, actions: &[Action], out: &mut Intents) {
         Panel::top("menu").show(ui, |ui| menu_ui(ui, actions, out));
         let (adapter, no_device) = (self.stage.adapter(), self.stage.no_device());
+        let numbers = self.numbers();
         Panel::bottom("status").show(ui, |ui| {
-            status_ui(ui, &self.status(&adapter, no_device.as_deref()), out);
+            status_ui(
+                ui,
+                &self.status(&adapter, no_device.as_deref(), numbers),
+                out,
+            );
         });
         if self.panels.log {
             Panel::bottom("log")
@@ -35,16 +44,27 @@ impl App {
                 .min_size(240.0)
                 .show(ui, |ui| self.settings_ui(ui, out));
         }
+        let layers = self.picture.layers(Instant::now());
         let viewport = Viewport {
-            picture: self.picture.id(),
-            is_transparent: self.picture.is_transparent(),
+            layers: &layers,
+            background: self.shown_background(),
         };
         let answer = CentralPanel::default()
             .frame(Frame::NONE)
             .show(ui, |ui| viewport_ui(ui, &viewport, out))
             .inner;
         self.viewport = Some(answer);
+        self.inspect_ui(ui.ctx(), answer, out);
         self.show_over(ui.ctx(), answer.rect, actions, out);
+    }
+
+    /// What shows where the picture does not reach or is see-through.
+    fn shown_background(&self) -> Background {
+        if self.picture.is_transparent() {
+            Background::Transparent
+        } else {
+            self.session.view.background
+        }
     }
 
     /// What lies over the picture: legend, welcome, toasts, dialogs.
@@ -69,6 +89,8 @@ impl App {
         progress::progress_ui(ctx, over, self.tasks.open(), out);
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
+        let renderer = self.rows.renderer(&self.session.renderer);
+        self.palette.ui(ctx, actions, renderer, out);
         if self.panels.keys {
             help::keys_ui(ctx, actions, out);
         }
@@ -82,7 +104,48 @@ impl App {
         }
     }
 
-    fn status<'a>(&'a self, adapter: &'a str, no_device: Option<&'a str>) -> Status<'a> {
+    /// What is under the pointer, and what a click asks about it.
+    fn inspect_ui(&mut self, ctx: &Context, answer: ViewportAnswer, out: &mut Intents) {
+        let Some(shown) = self.shown.clone() else {
+            return;
+        };
+        let pixel = |at| pixel_at(at, answer.rect, answer.size_px, &shown);
+        if let Some((at, clicks)) = answer.clicked_at
+            && let Some(pixel) = pixel(at)
+        {
+            out.push(match clicks {
+                Clicks::One => InspectIntent::Pin(pixel),
+                Clicks::Two => InspectIntent::PivotOn(pixel),
+            });
+        }
+        let hovered = answer.hovered_at.and_then(pixel);
+        let facts = hovered.and_then(|pixel| facts_at(&shown, &self.session.scene, pixel, 0));
+        if let Some(facts) = &facts
+            && !self.inspector.is_pinned()
+        {
+            inspector::hover_ui(ctx, answer.rect, facts);
+        }
+        if self.panels.inspector {
+            let inspector = &self.inspector;
+            inspector::inspector_ui(ctx, answer.rect, inspector, facts.as_ref(), out);
+        }
+    }
+
+    /// What the status bar measures over some time.
+    fn numbers(&mut self) -> Numbers {
+        let now = Instant::now();
+        Numbers {
+            frames: self.frame_times.summary(now),
+            resident_bytes: self.memory.resident_bytes(now),
+        }
+    }
+
+    fn status<'a>(
+        &'a self,
+        adapter: &'a str,
+        no_device: Option<&'a str>,
+        numbers: Numbers,
+    ) -> Status<'a> {
         let shown = self.shown.as_deref();
         let drawn_by = shown.map(|shown| {
             let row = self.rows.renderer(&shown.drawn_by);
@@ -90,6 +153,9 @@ impl App {
         });
         Status {
             stats: shown.map(|shown| &shown.stats),
+            numbers,
+            hand_over: self.roles.hand_over(),
+            preview_held: self.roles.is_held() && self.session.preview.is_some(),
             drawn_by,
             preparing: shown.and_then(|shown| shown.preparing.as_ref()),
             refining: shown
@@ -136,6 +202,7 @@ impl App {
                 let legend = legend_of(&session.view.show, range);
                 let tab = view::ViewTab {
                     view: &session.view,
+                    pacing: session.pacing,
                     camera: &session.camera,
                     targets: self.targets(),
                     legend: legend.as_ref(),

@@ -1,12 +1,13 @@
 //! The picture, and the gestures over it.
 
-use egui::{
-    Color32, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Sense, TextureId, Ui, pos2,
-};
+use egui::{EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Sense, Ui};
+use pointstage_engine::stage::Background;
 use pointstage_plugin_api::abi::Interaction;
 
+use super::canvas;
 use super::intent::{CameraIntent, Intents};
 use super::navigation::{CameraMove, KEY_TURN_RAD};
+use super::picture::Layer;
 
 /// One notch of the wheel (50 points) brings the scene 1.25 times nearer: exp(50 · 0.00446).
 const ZOOM_PER_POINT: f64 = 0.004_46;
@@ -14,15 +15,12 @@ const ZOOM_PER_POINT: f64 = 0.004_46;
 /// One press of + or − sees this many times as much.
 const ZOOM_PER_KEY: f64 = 1.25;
 
-/// Side of the squares behind a transparent picture, points.
-const CHECKER: f32 = 12.0;
-
 /// What the viewport shows.
-pub(crate) struct Viewport {
-    /// The picture, if there is one.
-    pub(crate) picture: Option<TextureId>,
-    /// Whether the picture may be see-through.
-    pub(crate) is_transparent: bool,
+pub(crate) struct Viewport<'a> {
+    /// Pictures, from back to front.
+    pub(crate) layers: &'a [Layer],
+    /// What lies behind them where they do not reach.
+    pub(crate) background: Background,
 }
 
 /// What the viewport found out.
@@ -36,10 +34,27 @@ pub(crate) struct ViewportAnswer {
     pub(crate) size_px: [u32; 2],
     /// What the user does with the camera.
     pub(crate) interaction: Interaction,
+    /// Where the pointer rests over the picture, points.
+    pub(crate) hovered_at: Option<Pos2>,
+    /// Where the picture was clicked in this pass, points, and how often in a row.
+    pub(crate) clicked_at: Option<(Pos2, Clicks)>,
+}
+
+/// How often was clicked in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Clicks {
+    /// Once.
+    One,
+    /// Twice.
+    Two,
 }
 
 /// Fills what is left of the window with the picture, and turns gestures into moves.
-pub(crate) fn viewport_ui(ui: &mut Ui, viewport: &Viewport, out: &mut Intents) -> ViewportAnswer {
+pub(crate) fn viewport_ui(
+    ui: &mut Ui,
+    viewport: &Viewport<'_>,
+    out: &mut Intents,
+) -> ViewportAnswer {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
     if response.clicked() || response.drag_started() {
@@ -52,7 +67,14 @@ pub(crate) fn viewport_ui(ui: &mut Ui, viewport: &Viewport, out: &mut Intents) -
     if response.has_focus() {
         key_moves(ui, response.id, out);
     }
+    let clicks = if response.double_clicked() {
+        Some(Clicks::Two)
+    } else {
+        response.clicked().then_some(Clicks::One)
+    };
     ViewportAnswer {
+        hovered_at: response.hover_pos().filter(|_| !response.dragged()),
+        clicked_at: response.interact_pointer_pos().zip(clicks),
         id: response.id,
         rect,
         size_px: [to_px(rect.width()), to_px(rect.height())],
@@ -66,32 +88,12 @@ pub(crate) fn viewport_ui(ui: &mut Ui, viewport: &Viewport, out: &mut Intents) -
     }
 }
 
-fn paint(ui: &Ui, rect: Rect, viewport: &Viewport, has_focus: bool) {
+fn paint(ui: &Ui, rect: Rect, viewport: &Viewport<'_>, has_focus: bool) {
     let painter = ui.painter_at(rect);
-    if viewport.is_transparent {
-        paint_checkers(&painter, rect);
-    }
-    if let Some(picture) = viewport.picture {
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(picture, rect, whole, Color32::WHITE);
-    }
+    canvas::paint(&painter, rect, viewport.background, viewport.layers);
     if has_focus {
         let stroke = ui.visuals().selection.stroke;
         painter.rect_stroke(rect, 0.0, (1.0, stroke.color), egui::StrokeKind::Inside);
-    }
-}
-
-/// The squares that stand for transparency.
-fn paint_checkers(painter: &egui::Painter, rect: Rect) {
-    painter.rect_filled(rect, 0.0, Color32::from_gray(110));
-    let columns = (rect.width() / CHECKER).ceil() as usize;
-    let rows = (rect.height() / CHECKER).ceil() as usize;
-    for row in 0..rows {
-        for column in (row % 2..columns).step_by(2) {
-            let corner = rect.min + egui::vec2(column as f32, row as f32) * CHECKER;
-            let square = Rect::from_min_size(corner, egui::Vec2::splat(CHECKER));
-            painter.rect_filled(square, 0.0, Color32::from_gray(140));
-        }
     }
 }
 

@@ -7,6 +7,7 @@ mod edit;
 mod file;
 mod help;
 mod keys;
+mod own_keys;
 mod renderer;
 mod view;
 mod window;
@@ -17,6 +18,7 @@ use super::app::App;
 use super::intent::Intent;
 
 pub(crate) use keys::{read_keys, shortcut_text};
+pub(crate) use own_keys::conflicts;
 
 /// Ctrl (⌘ on a Mac) with Shift.
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
@@ -78,6 +80,12 @@ impl Menu {
         (Self::Window, "Window"),
         (Self::Help, "Help"),
     ];
+
+    /// Its name in the bar.
+    pub(crate) fn name(self) -> &'static str {
+        let found = Self::ALL.iter().find(|(menu, _)| *menu == self);
+        found.map_or("", |(_, name)| name)
+    }
 }
 
 /// Keys that are pressed together, and where they count.

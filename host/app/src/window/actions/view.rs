@@ -3,9 +3,9 @@
 use egui::{Key, Modifiers};
 use pointstage_engine::stage::Show;
 
-use super::{Action, Menu, Place};
+use super::{Action, Menu, Place, Scope};
 use crate::window::app::App;
-use crate::window::intent::{CameraIntent, Tab, ViewIntent, WindowIntent};
+use crate::window::intent::{CameraIntent, InspectIntent, Tab, ViewIntent, WindowIntent};
 use crate::window::legend;
 use crate::window::navigation::{Axis, CameraMove, UpAxis};
 
@@ -16,12 +16,18 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Wheel, pinch", "zoom to the pointer"),
     ("Arrow keys", "turn, after a click on the picture"),
     ("Shift+arrow keys", "shift, after a click on the picture"),
+    (
+        "Click on a surface",
+        "keep the surfel and list all that is known of it",
+    ),
+    ("Double click on a surface", "turn around it from now on"),
     ("+, −", "zoom, after a click on the picture"),
 ];
 
 pub(super) fn actions(app: &App) -> Vec<Action> {
     let mut actions = camera_actions(app);
     actions.extend(show_actions(app));
+    actions.extend(inspect_actions(app));
     actions.push(Action::new(
         "view.settings",
         "Background, exposure, radius…",
@@ -75,6 +81,41 @@ fn camera_actions(app: &App) -> Vec<Action> {
         .keys(Modifiers::NONE, Key::O),
     );
     actions
+}
+
+/// What the mouse does by clicks, for the keyboard: at the picture's middle.
+fn inspect_actions(app: &App) -> Vec<Action> {
+    let place = Place::new(Menu::View, 4);
+    let middle = app
+        .viewport
+        .map_or([0; 2], |viewport| viewport.size_px.map(|side| side / 2));
+    let nothing_kept = (!app.inspector.is_pinned()).then(|| "nothing is kept".to_owned());
+    vec![
+        Action::new(
+            "inspect.middle",
+            "Inspect the middle of the picture",
+            place,
+            InspectIntent::Pin(middle),
+        )
+        .keys(Modifiers::SHIFT, Key::I),
+        Action::new(
+            "inspect.unpin",
+            "Let go of the inspected surfel",
+            place,
+            InspectIntent::Unpin,
+        )
+        .keys_in(Scope::OnPicture, Modifiers::NONE, Key::Escape)
+        .unless(nothing_kept),
+        Action::new(
+            "camera.pivot_middle",
+            "Turn around the surface in the middle",
+            place,
+            InspectIntent::PivotOn(middle),
+        )
+        .keys(Modifiers::NONE, Key::P),
+        Action::new("view.draw_now", "Draw now", place, ViewIntent::DrawNow)
+            .keys(Modifiers::NONE, Key::F5),
+    ]
 }
 
 /// Colours and every target of the renderer.

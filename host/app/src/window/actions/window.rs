@@ -22,5 +22,11 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
         toggle("window.log", "Log", Part::Log)
             .on(app.panels.log)
             .keys(Modifiers::COMMAND, Key::L),
+        toggle("window.inspector", "Inspector", Part::Inspector)
+            .on(app.panels.inspector)
+            .keys(Modifiers::NONE, Key::I),
+        toggle("window.palette", "Find an action…", Part::Palette)
+            .keys(Modifiers::COMMAND, Key::P)
+            .keys(Modifiers::COMMAND, Key::K),
     ]
 }

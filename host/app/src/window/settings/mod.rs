@@ -5,6 +5,7 @@
 
 pub(super) mod lighting;
 mod material;
+pub(super) mod pacing;
 pub(super) mod plugins;
 mod presets;
 pub(super) mod renderer;

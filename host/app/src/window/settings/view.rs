@@ -5,9 +5,11 @@ use pointstage_engine::frame::legend::Legend;
 use pointstage_engine::stage::Background;
 use pointstage_scene::{Camera, Projection};
 
+use super::pacing::pacing_ui;
 use crate::window::intent::{CameraIntent, Intents, ViewIntent};
 use crate::window::menu::show_choices_ui;
 use crate::window::navigation::{Axis, CameraMove, UpAxis, fov_degrees};
+use crate::window::pacing::Pacing;
 use crate::window::session::{DEFAULT_BACKGROUND, ViewOptions};
 
 /// The first colour of a background of one colour.
@@ -28,6 +30,8 @@ const MOST_STOPS: f32 = 10.0;
 pub(crate) struct ViewTab<'a> {
     /// How the picture is shown.
     pub(crate) view: &'a ViewOptions,
+    /// How often it is drawn.
+    pub(crate) pacing: Pacing,
     /// The eye.
     pub(crate) camera: &'a Camera,
     /// Targets that the renderer gives.
@@ -73,6 +77,9 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
             out,
         );
         background_ui(ui, tab.view.background, out);
+        ui.separator();
+        ui.strong("Pace");
+        pacing_ui(ui, tab.pacing, out);
         ui.separator();
         ui.strong("Camera");
         camera_ui(ui, tab.camera, out);
