@@ -6,6 +6,7 @@ use pointstage_engine::stage::SettingValues;
 use pointstage_plugin_api::settings_schema::SettingSchema;
 use pointstage_scene::{Lights, Material, Object, ObjectId, Projection};
 
+use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
 use super::rows::Rows;
 use super::session::{Session, ViewOptions};
@@ -22,6 +23,7 @@ pub(crate) struct Choices {
     lights: Lights,
     material: Material,
     view: ViewOptions,
+    pacing: Pacing,
     lens: Lens,
     objects: BTreeMap<ObjectId, ObjectChoices>,
 }
@@ -77,6 +79,8 @@ pub(crate) enum Field {
     Exposure,
     /// The radius scale.
     RadiusScale,
+    /// How often pictures are drawn.
+    Pacing,
     /// Field of view, or the kind of projection.
     Lens,
     /// Which objects are drawn.
@@ -118,6 +122,7 @@ impl Choices {
             lights: session.lights.clone(),
             material: session.material,
             view: session.view.clone(),
+            pacing: session.pacing,
             lens: Lens::of(session.camera.projection),
             objects: objects
                 .map(|object| (object.id, ObjectChoices::of(object)))
@@ -136,6 +141,7 @@ impl Choices {
         session.lights.clone_from(&self.lights);
         session.material = self.material;
         session.view.clone_from(&self.view);
+        session.pacing = self.pacing;
         self.restore_lens(session);
         let now = session.scene.objects().iter();
         let changed: Vec<(ObjectId, ObjectChoices)> = now
@@ -232,6 +238,7 @@ impl Choices {
         note(view.background != old.background, Field::Background);
         note(view.exposure != old.exposure, Field::Exposure);
         note(view.radius_scale != old.radius_scale, Field::RadiusScale);
+        note(self.pacing != before.pacing, Field::Pacing);
         note(self.lens != before.lens, Field::Lens);
         note(
             both().any(|(now, then)| now.visible != then.visible),
@@ -256,6 +263,7 @@ impl Choices {
             && self.lights == session.lights
             && self.material == session.material
             && self.view == session.view
+            && self.pacing == session.pacing
             && self.lens == Lens::of(session.camera.projection)
             && self.objects.len() == objects.len()
             && objects.iter().all(|object| {
@@ -343,6 +351,7 @@ fn name_of(field: &Field, rows: &Rows) -> String {
         Field::Background => "Background",
         Field::Exposure => "Exposure",
         Field::RadiusScale => "Radius scale",
+        Field::Pacing => "Rate",
         Field::Lens => "Projection",
         Field::Visibility => "Visibility",
         Field::Selection => "Selection",
