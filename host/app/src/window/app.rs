@@ -15,6 +15,7 @@ use super::dialogs::{FileDialog, PathField};
 use super::folder_dialog::FolderDialog;
 use super::frame_times::FrameTimes;
 use super::history::History;
+use super::inspector::Inspector;
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;

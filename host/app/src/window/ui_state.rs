@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, Event, FullOutput, Plugin, RawInput};
-use pointstage_engine::stage::Role;
+use pointstage_engine::stage;
 use pointstage_scene::ViewRecord;
 use serde_json::{Map, Value, json};
 
@@ -158,6 +158,15 @@ impl App {
         });
     }
 
+    /// Which of the two chosen renderers was asked last, in a word.
+    fn role(&self) -> &'static str {
+        let wish = self.asking.last_wish();
+        match wish.map_or(stage::Role::Main, |wish| wish.role) {
+            stage::Role::Preview => "preview",
+            stage::Role::Main | stage::Role::Auxiliary => "main",
+        }
+    }
+
     fn state(&self, is_settled: bool) -> Value {
         let session = &self.session;
         let shown = self.shown.as_deref();
@@ -172,7 +181,7 @@ impl App {
             "settings": session.chosen_settings(),
             "drawn_by": shown.map(|shown| &shown.drawn_by),
             "preview": session.preview,
-            "role": format!("{:?}", self.asking.last_wish().map_or(Role::Main, |wish| wish.role)).to_lowercase(),
+            "role": self.role(),
             "hand_over_ms": self.roles.hand_over().map(|time| time.as_secs_f64() * 1e3),
             "picture_px": shown.map(|shown| shown.picture.size_px),
             "pinned": self.inspector.pinned_surfel().map(|(object, surfel)| json!({
