@@ -28,7 +28,7 @@ pub use camera::{
 pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};
 pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType};
 pub use job::{Cancelled, Job};
-pub use light::{Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
+pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
     Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Place, PlyError, Winding, load,
 };

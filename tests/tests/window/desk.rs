@@ -39,7 +39,15 @@ impl Desk {
 
     /// Opens the window of `program`, which gets `arguments`. `None` where there is no virtual display.
     pub(super) fn open(program: Program, arguments: &[&OsStr]) -> Result<Option<Self>> {
-        let (width, height) = SIZE;
+        Self::open_at(program, arguments, SIZE)
+    }
+
+    /// Opens the window on a display of this size, px.
+    pub(super) fn open_at(
+        program: Program,
+        arguments: &[&OsStr],
+        (width, height): (u16, u16),
+    ) -> Result<Option<Self>> {
         let Some(display) = Display::start(width, height)? else {
             return Ok(None);
         };

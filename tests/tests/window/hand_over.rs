@@ -64,9 +64,10 @@ fn a_slider_that_moves_calls_the_preview() -> Result<()> {
     desk.window.click_on("Tab", "View")?;
     let slider = desk.window.find("Slider", "Exposure")?;
     let ([left, ..], from) = (slider.rect, slider.middle());
-    desk.window.drag_until(from, (left + 4, from.1), 1, |state| {
-        state.session("drawn_by") == POINTS
-    })?;
+    desk.window
+        .drag_until(from, (left + 4, from.1), 1, |state| {
+            state.session("drawn_by") == POINTS
+        })?;
     desk.window
         .settle("the main one", |state| state.session("drawn_by") == SURFEL)?;
     desk.close()
@@ -83,16 +84,20 @@ fn at_a_limit_of_none_a_second_pictures_come_when_they_are_asked_for() -> Result
     let rate = "Rate limit, pictures a second";
     let slider = desk.window.find("Slider", rate)?;
     let ([left, ..], from) = (slider.rect, slider.middle());
-    desk.window.drag_until(from, (left - 20, from.1), 1, |state| {
-        state.session("pacing")["rate_limit"] == 0
-    })?;
+    desk.window
+        .drag_until(from, (left - 20, from.1), 1, |state| {
+            state.session("pacing")["rate_limit"] == 0
+        })?;
     desk.window.click_on("Button", "Top")?;
     desk.window.wait_for_state("the camera above", |state| {
         let eye = &state.session("view")["eye"];
         (eye[1].as_f64()? > 1.0).then_some(())
     })?;
     let shown = desk.window.capture_picture()?;
-    assert!(same(&shown, &before), "a picture came that nobody asked for");
+    assert!(
+        same(&shown, &before),
+        "a picture came that nobody asked for"
+    );
     desk.window.press_keys("F5")?;
     desk.wait_for_picture("from above", |picture| !same(picture, &before))?;
     desk.close()
@@ -104,19 +109,24 @@ fn moving_pictures_of_a_slow_renderer_get_smaller_until_they_are_fast_enough() -
         return Ok(());
     };
     // Pixel by pixel on the CPU: the built-in renderer with sixty pictures a second asked of it.
-    desk.window.click_on("RadioButton", "Built-in fallback (CPU)")?;
     desk.window
-        .settle("the fallback", |state| state.session("drawn_by") == FALLBACK)?;
+        .click_on("RadioButton", "Built-in fallback (CPU)")?;
+    desk.window.settle("the fallback", |state| {
+        state.session("drawn_by") == FALLBACK
+    })?;
     desk.window.click_on("Tab", "View")?;
     desk.window.click_on("CheckBox", "Target rate")?;
-    let slider = desk.window.find("Slider", "Target rate, pictures a second")?;
-    let ([.., right, _], from) = (slider.rect, slider.middle());
-    desk.window.drag_until(from, (right + 20, from.1), 1, |state| {
-        state.session("pacing")["target_rate"] == 60
-    })?;
-    let full = desk
+    let slider = desk
         .window
-        .settle("a still picture", |state| state.session("picture_px").is_array())?;
+        .find("Slider", "Target rate, pictures a second")?;
+    let ([.., right, _], from) = (slider.rect, slider.middle());
+    desk.window
+        .drag_until(from, (right + 20, from.1), 1, |state| {
+            state.session("pacing")["target_rate"] == 60
+        })?;
+    let full = desk.window.settle("a still picture", |state| {
+        state.session("picture_px").is_array()
+    })?;
     let full = full.session("picture_px").clone();
     desk.window.drag_until((370, 360), (470, 420), 1, |state| {
         let height = |size: &serde_json::Value| size[1].as_u64().unwrap_or_default();
@@ -235,7 +245,8 @@ fn nothing_is_redrawn_while_nothing_changes() -> Result<()> {
     let Some(mut desk) = Desk::with_sphere()? else {
         return Ok(());
     };
-    desk.window.settle("the sphere", |state| !state.shows("p95"))?;
+    desk.window
+        .settle("the sphere", |state| !state.shows("p95"))?;
     let passes = |desk: &mut Desk| {
         desk.window
             .wait_for_state("the passes", |state| state.passes())

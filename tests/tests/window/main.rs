@@ -2,7 +2,10 @@
 
 mod camera;
 mod desk;
+mod hand_over;
+mod panel;
 mod session;
+mod walk;
 
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use pointstage_tests::window::{State, Widget};
 use pointstage_tests::scenes;
+use pointstage_tests::window::{State, Widget};
 
 use super::desk::Desk;
 
@@ -142,14 +142,46 @@ fn take_step(desk: &mut Desk, files: &[PathBuf], random: &mut Random) -> Result<
 
 /// Keys that do something anywhere in the window.
 const KEYS: &[&str] = &[
-    "Escape", "f", "Home", "x", "y", "z", "o", "i", "p", "Tab", "Tab", "space", "Left", "Up", "ctrl+l", "ctrl+p", "F1", "F5",
-    "ctrl+z", "ctrl+z", "ctrl+shift+z", "ctrl+1", "1", "ctrl+2", "2", "ctrl+shift+c", "ctrl+r",
+    "Escape",
+    "f",
+    "Home",
+    "x",
+    "y",
+    "z",
+    "o",
+    "i",
+    "p",
+    "Tab",
+    "Tab",
+    "space",
+    "Left",
+    "Up",
+    "ctrl+l",
+    "ctrl+p",
+    "F1",
+    "F5",
+    "ctrl+z",
+    "ctrl+z",
+    "ctrl+shift+z",
+    "ctrl+1",
+    "1",
+    "ctrl+2",
+    "2",
+    "ctrl+shift+c",
+    "ctrl+r",
 ];
 
 /// Clicks on a widget that can be used.
 fn click_somewhere(desk: &mut Desk, random: &mut Random) -> Result<String> {
     let widgets = desk.window.wait_for_state("widgets", |state: &State| {
-        Some(state.usable(&["Button", "RadioButton", "CheckBox", "Tab", "ComboBox", "Slider"]))
+        Some(state.usable(&[
+            "Button",
+            "RadioButton",
+            "CheckBox",
+            "Tab",
+            "ComboBox",
+            "Slider",
+        ]))
     })?;
     let good: Vec<&(String, Widget)> = widgets
         .iter()

@@ -13,7 +13,9 @@ use super::actions::{self, Action, read_keys};
 use super::apply::take_pasted_view;
 use super::asking::{Asking, Look, Wish};
 use super::dialogs::{FileDialog, PathField};
+use super::folder_dialog::FolderDialog;
 use super::frame_times::FrameTimes;
+use super::history::History;
 use super::inspector::Inspector;
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
@@ -58,6 +60,8 @@ pub(crate) struct App {
     pub(super) focus_setting: Option<String>,
     pub(super) path_field: Option<PathField>,
     pub(super) dialog: Option<FileDialog>,
+    pub(super) folder_dialog: Option<FolderDialog>,
+    pub(super) history: History,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
@@ -139,6 +143,8 @@ impl App {
             focus_setting: None,
             path_field: None,
             dialog: None,
+            folder_dialog: None,
+            history: History::default(),
             wake,
             shown_batch: None,
             next_batch: 0,
@@ -175,11 +181,14 @@ impl App {
         take_pasted_view(&ctx, &mut intents);
         take_dropped_files(&ctx, &mut intents);
         self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
+        self.folder_dialog
+            .take_if(|dialog| !dialog.poll(&mut intents));
         self.show(ui, &actions, &mut intents);
         let is_idle = intents.is_empty();
         for intent in intents {
             self.apply(&ctx, intent);
         }
+        self.note_history(&ctx);
         let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
         if let Some(time) = self.keep_preferences(&ctx) {

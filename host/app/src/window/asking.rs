@@ -29,6 +29,7 @@ pub(crate) struct Look {
     lights: Lights,
     structure: Option<String>,
     settings: SettingValues,
+    structure_settings: SettingValues,
     view: ViewOptions,
     wish: Wish,
 }
@@ -87,6 +88,12 @@ impl Look {
             lights: session.lights.clone(),
             structure: session.structure.clone(),
             settings: session.settings_of(&wish.renderer),
+            structure_settings: session
+                .structure
+                .as_ref()
+                .map_or_else(SettingValues::new, |structure| {
+                    session.settings_of(structure)
+                }),
             view: session.view.clone(),
             wish,
         }
@@ -97,6 +104,7 @@ impl Look {
             lights,
             structure,
             settings,
+            structure_settings,
             view,
             wish,
             ..
@@ -105,6 +113,7 @@ impl Look {
             lights: lights.clone(),
             structure: structure.clone(),
             settings: settings.clone(),
+            structure_settings: structure_settings.clone(),
             actions,
             read_back: wish.read_back.clone(),
             show: view.show.clone(),

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
-use pointstage_engine::stage::{Background, Show};
+use pointstage_engine::stage::{Background, SettingValues, Show};
 
 use super::actions::Action;
 use super::app::App;
@@ -17,7 +17,7 @@ use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
 use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
-use super::{help, legend, progress, theme, toasts, welcome};
+use super::{help, legend, presets, progress, theme, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
@@ -191,23 +191,38 @@ impl App {
     }
 
     /// The settings panel with its chosen tab.
-    fn settings_ui(&self, ui: &mut Ui, out: &mut Intents) {
+    fn settings_ui(&mut self, ui: &mut Ui, out: &mut Intents) {
+        let focus = self.focus_setting.take();
         let session = &self.session;
         settings::tabs_ui(ui, self.panels.tab, out);
         match self.panels.tab {
             Tab::Renderer => {
+                let structure = session.structure.as_deref();
                 let tab = renderer::RendererTab {
-                    renderers: &self.rows.renderers,
-                    structures: &self.rows.structures,
+                    rows: &self.rows,
                     chosen: &session.renderer,
+                    preview: session.preview.as_deref(),
                     chosen_structure: session.structure.as_deref(),
                     drawn_by: self.shown.as_ref().map(|shown| shown.drawn_by.as_str()),
                     values: &session.chosen_settings(),
+                    structure_values: &structure
+                        .map_or_else(SettingValues::new, |id| session.settings_of(id)),
+                    presets: &presets::list(session, &session.renderer),
+                    focus: focus.as_deref(),
                 };
                 renderer::renderer_ui(ui, &tab, out);
             }
-            Tab::Lighting => lighting::lighting_ui(ui, &session.lights, out),
+            Tab::Lighting => {
+                let tab = lighting::LightingTab {
+                    lights: &session.lights,
+                    scene: &session.scene,
+                    material: session.material,
+                };
+                lighting::lighting_ui(ui, &tab, out);
+            }
             Tab::View => {
+                let range = self.shown.as_ref().and_then(|shown| shown.shown_range);
+                let legend = legend_of(&session.view.show, range);
                 let tab = view::ViewTab {
                     view: &session.view,
                     pacing: session.pacing,
@@ -219,11 +234,18 @@ impl App {
                     },
                     views: &session.views,
                     targets: self.targets(),
+                    legend: legend.as_ref(),
                 };
                 view::view_ui(ui, &tab, out);
             }
             Tab::Scene => scene::scene_ui(ui, &session.scene, &session.warnings, out),
-            Tab::Plugins => plugins::plugins_ui(ui, &self.rows.plugins, out),
+            Tab::Plugins => {
+                let tab = plugins::PluginsTab {
+                    rows: &self.rows,
+                    holdings: &self.stage.holdings(),
+                };
+                plugins::plugins_ui(ui, &tab, out);
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use pointstage_scene::{Camera, Lights, Material, NearClipping, ObjectId, Scene, 
 
 use super::navigation::NavigationOptions;
 use super::pacing::Pacing;
-use super::presets::Presets;
+use super::presets::{ActivePresets, Presets};
 use super::views::StoredViews;
 
 /// All that a picture depends on, and what the user chose for renderers that are not chosen now.
@@ -38,6 +38,8 @@ pub(crate) struct Session {
     pub(crate) settings: BTreeMap<String, SettingValues>,
     /// Values under names.
     pub(crate) presets: Presets,
+    /// Which of them the values come from.
+    pub(crate) active_presets: ActivePresets,
     /// How the picture is shown.
     pub(crate) view: ViewOptions,
     /// How often it is drawn.
@@ -90,6 +92,7 @@ impl Session {
             structure: None,
             settings: BTreeMap::new(),
             presets: Presets::new(),
+            active_presets: ActivePresets::new(),
             view: ViewOptions::default(),
             pacing: Pacing::default(),
             views: StoredViews::default(),

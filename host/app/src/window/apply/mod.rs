@@ -26,7 +26,7 @@ impl App {
         tracing::debug!(?intent);
         match intent {
             Intent::File(intent) => self.apply_file(ctx, intent),
-            Intent::Edit(intent) => self.apply_edit(intent),
+            Intent::Edit(intent) => self.apply_edit(ctx, intent),
             Intent::Renderer(intent) => self.apply_renderer(intent),
             Intent::Camera(intent) => self.apply_camera(intent),
             Intent::Views(intent) => self.apply_views(ctx, intent),

@@ -5,11 +5,14 @@
 
 pub(super) mod camera;
 pub(super) mod lighting;
+mod material;
 pub(super) mod pacing;
 pub(super) mod plugins;
+mod presets;
 pub(super) mod renderer;
 pub(super) mod scene;
 pub(super) mod schema;
+mod value;
 pub(super) mod view;
 pub(super) mod view_list;
 

@@ -1,6 +1,7 @@
 //! The *View* tab: how the picture is shown, the camera, and stored views.
 
-use egui::{ScrollArea, Slider, SliderClamping, Ui};
+use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
+use pointstage_engine::frame::legend::Legend;
 use pointstage_engine::stage::Background;
 
 use super::camera::{CameraTab, camera_ui};
@@ -15,6 +16,17 @@ use crate::window::views::StoredViews;
 /// The first colour of a background of one colour.
 const WHITE: Background = Background::Solid([1.0; 3]);
 
+/// Backgrounds at a click.
+const BACKGROUNDS: [(&str, Background); 4] = [
+    ("Default", DEFAULT_BACKGROUND),
+    ("White", WHITE),
+    ("Grey", Background::Solid([0.5; 3])),
+    ("Black", Background::Solid([0.0; 3])),
+];
+
+/// As far as the exposure goes in stops: a factor of about a thousand either way.
+const MOST_STOPS: f32 = 10.0;
+
 /// What the tab shows.
 pub(crate) struct ViewTab<'a> {
     /// How the picture is shown.
@@ -27,6 +39,8 @@ pub(crate) struct ViewTab<'a> {
     pub(crate) views: &'a StoredViews,
     /// Targets that the renderer gives.
     pub(crate) targets: &'a [String],
+    /// What the colours of the shown target mean.
+    pub(crate) legend: Option<&'a Legend>,
 }
 
 /// The tab.
@@ -45,6 +59,9 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
                     });
             },
         );
+        if let Some(legend) = tab.legend {
+            ui.indent("legend", |ui| crate::window::legend::content_ui(ui, legend));
+        }
         factor_ui(
             ui,
             "Exposure",
@@ -53,6 +70,7 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
             ViewIntent::Exposure,
             out,
         );
+        stops_ui(ui, tab.view.exposure, out);
         factor_ui(
             ui,
             "Radius scale",
@@ -101,6 +119,24 @@ fn factor_ui(
     });
 }
 
+/// The exposure again, as photographers count it: one stop more is twice as bright.
+fn stops_ui(ui: &mut Ui, exposure: f32, out: &mut Intents) {
+    let help = "The exposure in stops: one more is twice as bright";
+    super::row(ui, "in stops", help, |ui| {
+        let stops = exposure.log2();
+        let mut edited = stops;
+        let drag = DragValue::new(&mut edited)
+            .speed(0.02)
+            .range(-MOST_STOPS..=MOST_STOPS)
+            .max_decimals(2)
+            .custom_formatter(|stops, _| format!("{stops:+.2}"))
+            .suffix(" stops");
+        if ui.add(drag).changed() && edited != stops {
+            out.push(ViewIntent::Exposure(edited.exp2()));
+        }
+    });
+}
+
 fn background_ui(ui: &mut Ui, background: Background, out: &mut Intents) {
     let mut edited = background;
     super::row(ui, "Background", "What lies behind the scene", |ui| {
@@ -125,6 +161,16 @@ fn background_ui(ui: &mut Ui, background: Background, out: &mut Intents) {
             super::row(ui, "Bottom", "", |ui| srgb_ui(ui, bottom));
         }
     }
+    super::row(ui, "", "", |ui| {
+        for (name, preset) in BACKGROUNDS {
+            let is_now = preset == background;
+            let button = ui.selectable_label(is_now, name);
+            let button = button.accessible_name(format!("{name} background"));
+            if button.clicked() && !is_now {
+                edited = preset;
+            }
+        }
+    });
     if edited != background {
         out.push(ViewIntent::Background(edited));
     }
