@@ -23,6 +23,7 @@ pub(crate) use recent::Recent;
 
 use crate::session_file::Renderers;
 use crate::toml_form::{self, Look, StoredView};
+use crate::window::{FLY_SPEEDS, NavigationOptions};
 
 /// The format that this program writes and reads.
 const FORMAT: u32 = 1;
@@ -61,6 +62,11 @@ pub(crate) struct Preferences {
     pub(crate) settings: BTreeMap<String, SettingValues>,
     /// Named presets, by renderer id.
     pub(crate) presets: BTreeMap<String, BTreeMap<String, SettingValues>>,
+    /// The preset that a renderer's values come from, by renderer id.
+    pub(crate) active_presets: BTreeMap<String, String>,
+    /// How the camera answers to pointer and keys.
+    #[serde(deserialize_with = "navigation")]
+    pub(crate) navigation: NavigationOptions,
     /// How often pictures are drawn, and how long moving ones may take.
     pub(crate) pacing: Pacing,
     /// Views to go back to.
@@ -148,6 +154,8 @@ impl Default for Preferences {
             look: Look::default(),
             lights: Lights::default(),
             material: Material::default(),
+            navigation: NavigationOptions::default(),
+            active_presets: BTreeMap::new(),
             pacing: Pacing::default(),
             settings: BTreeMap::new(),
             presets: BTreeMap::new(),
@@ -158,6 +166,18 @@ impl Default for Preferences {
 
 /// The fastest rate that a limit or a target may name, pictures a second.
 const FASTEST_RATE: u32 = 60;
+
+fn navigation<'de, D: Deserializer<'de>>(deserializer: D) -> Result<NavigationOptions, D::Error> {
+    let options = NavigationOptions::deserialize(deserializer)?;
+    if FLY_SPEEDS.contains(&options.fly_speed) {
+        Ok(options)
+    } else {
+        let (least, most, found) = (FLY_SPEEDS.start(), FLY_SPEEDS.end(), options.fly_speed);
+        Err(serde::de::Error::custom(format!(
+            "fly_speed: expected a factor from {least} to {most}, found {found}"
+        )))
+    }
+}
 
 fn rate_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
     rate_from(0, deserializer)

@@ -179,12 +179,14 @@ fn any_preferences() -> impl Strategy<Value = Preferences> {
         presets,
         testing::any_stored_views(),
         pacing,
+        testing::any_active_presets(),
+        (any::<bool>(), 0.01..=100.0f64),
     );
     (first, look, kept).prop_map(
         |(
             (theme, text_scale, opened, folders, window),
             (renderers, look, lights, material),
-            (settings, presets, views, pacing),
+            (settings, presets, views, pacing, active_presets, (turntable, fly_speed)),
         )| {
             let mut recent = Recent::default();
             for path in &opened {
@@ -204,6 +206,12 @@ fn any_preferences() -> impl Strategy<Value = Preferences> {
                 presets,
                 views,
                 pacing,
+                active_presets,
+                navigation: NavigationOptions {
+                    turntable,
+                    fly_speed,
+                    ..NavigationOptions::default()
+                },
                 ..Preferences::default()
             }
         },

@@ -61,6 +61,9 @@ pub(crate) struct SessionFile {
     /// Values that differ from the default, by the id of the renderer or structure.
     #[serde(default)]
     pub(crate) settings: BTreeMap<String, SettingValues>,
+    /// The preset that a renderer's values come from, by renderer id.
+    #[serde(default)]
+    pub(crate) presets: BTreeMap<String, String>,
     /// Views to go back to.
     #[serde(default)]
     pub(crate) views: Vec<StoredView>,
@@ -93,6 +96,7 @@ impl SessionFile {
             lights: Lights::default(),
             scene: Vec::new(),
             settings: BTreeMap::new(),
+            presets: BTreeMap::new(),
             views: Vec::new(),
         }
     }

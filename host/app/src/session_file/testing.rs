@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use pointstage_engine::stage::{Background, SettingValue, SettingValues, Show};
 use pointstage_scene::{
-    Camera, Light, LightKind, LightSpace, Lights, Material, Projection, ViewRecord,
+    Camera, Headlight, Light, LightKind, LightSpace, Lights, Material, Projection, ViewRecord,
 };
 use proptest::prelude::*;
 
@@ -76,12 +76,11 @@ pub(crate) fn any_view() -> impl Strategy<Value = ViewRecord> {
 /// Any lights.
 pub(crate) fn any_lights() -> impl Strategy<Value = Lights> {
     let light = (
-        any::<bool>(),
-        any::<bool>(),
+        any::<[bool; 3]>(),
         (number(), number(), 1.0..2.0f64),
         colour(),
     );
-    let light = light.prop_map(|(is_point, is_world, (x, y, z), colour)| Light {
+    let light = light.prop_map(|([is_point, is_world, enabled], (x, y, z), colour)| Light {
         kind: if is_point {
             LightKind::Point {
                 position: glam::DVec3::new(x, y, z),
@@ -98,10 +97,15 @@ pub(crate) fn any_lights() -> impl Strategy<Value = Lights> {
             LightSpace::View
         },
         colour: colour.into(),
+        enabled,
     });
-    (colour(), proptest::collection::vec(light, 0..=4)).prop_map(|(ambient, lights)| Lights {
+    let headlight = (any::<bool>(), 0.0..9.0f32);
+    let headlight = headlight.prop_map(|(enabled, strength)| Headlight { enabled, strength });
+    let lights = proptest::collection::vec(light, 0..=4);
+    (colour(), lights, headlight).prop_map(|(ambient, lights, headlight)| Lights {
         ambient: ambient.into(),
         lights,
+        headlight,
     })
 }
 
@@ -152,4 +156,9 @@ pub(crate) fn any_renderers() -> impl Strategy<Value = Renderers> {
         preview,
         structure,
     })
+}
+
+/// Any names of presets by renderer id.
+pub(crate) fn any_active_presets() -> impl Strategy<Value = BTreeMap<String, String>> {
+    proptest::collection::btree_map("[a-z.]{1,9}", "\\PC{0,9}", 0..3)
 }

@@ -7,8 +7,8 @@ use pointstage_scene::Camera;
 use proptest::prelude::*;
 
 use super::testing::{
-    any_lights, any_look, any_material, any_renderers, any_settings, any_stored_views, any_view,
-    number,
+    any_active_presets, any_lights, any_look, any_material, any_renderers, any_settings,
+    any_stored_views, any_view, number,
 };
 use super::*;
 
@@ -190,15 +190,17 @@ fn any_session() -> impl Strategy<Value = SessionFile> {
         any_lights(),
         proptest::collection::vec(any_scene_file(), 0..4),
         any_settings(),
+        any_active_presets(),
         any_stored_views(),
     )
         .prop_map(
-            |(view, renderers, look, lights, scene, settings, views)| SessionFile {
+            |(view, renderers, look, lights, scene, settings, presets, views)| SessionFile {
                 renderers,
                 look,
                 lights,
                 scene,
                 settings,
+                presets,
                 views,
                 ..SessionFile::new(view)
             },

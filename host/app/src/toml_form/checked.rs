@@ -78,6 +78,12 @@ fn flaw_of_lights(lights: &Lights) -> Option<String> {
             "ambient: expected three numbers from 0, found {found}"
         ));
     }
+    let strength = lights.headlight.strength;
+    if !(strength.is_finite() && strength >= 0.0) {
+        return Some(format!(
+            "strength: expected a number from 0, found {strength}"
+        ));
+    }
     lights.lights.iter().find_map(|light: &Light| {
         if !is_colour(light.colour) {
             let found = light.colour;

@@ -121,6 +121,7 @@ fn plugin_lines(plugin: &PluginRow) -> String {
         plugin.verdict,
         plugin.path.display()
     );
+    let _ = writeln!(lines, "  - {}", plugin.versions);
     for (name, value) in &plugin.facts {
         let _ = writeln!(lines, "  - {name}: {value}");
     }
@@ -161,6 +162,10 @@ mod tests {
             message: "it ended with SIGSEGV".to_owned(),
             detail: String::new(),
             facts: vec![("Hash".to_owned(), "abc123".to_owned())],
+            versions: "1.2 (API 1.0)".to_owned(),
+            found_in: "added folder".to_owned(),
+            load_time: None,
+            ids: vec!["org.example.fast".to_owned()],
             can_retry: true,
         };
         let report = Report {

@@ -63,4 +63,5 @@ mod viewport;
 mod views;
 mod welcome;
 
+pub(crate) use navigation::{FLY_SPEEDS, NavigationOptions};
 pub(crate) use open::open;

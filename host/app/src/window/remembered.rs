@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, ThemePreference};
+use pointstage_engine::plugins::standard_folders;
 use pointstage_engine::stage::Severity;
 use pointstage_scene::Loaded;
 
@@ -35,8 +36,10 @@ pub(crate) struct Remembered {
     pub(super) session_path: Option<PathBuf>,
     /// Objects of that session whose files could not be loaded: they are saved with it again.
     pub(super) absent: Vec<SceneFile>,
-    /// Folders that are searched for plugins beside the usual ones.
-    pub(super) plugin_folders: Vec<PathBuf>,
+    /// Folders that the user added, as the settings file had them.
+    plugin_folders: Vec<PathBuf>,
+    /// Folders that are searched for plugins without being added.
+    usual_folders: Vec<PathBuf>,
     /// Theme and text scale that the toolkit has still to be told.
     to_tell: Option<(Theme, f32)>,
     /// Theme and text scale in the last pass.
@@ -59,6 +62,7 @@ impl Remembered {
             session_path: None,
             absent: Vec::new(),
             plugin_folders: Vec::new(),
+            usual_folders: standard_folders(),
             to_tell: None,
             appearance: (Theme::System, 1.0),
             had_keyboard: false,
@@ -120,6 +124,8 @@ impl App {
             material,
             settings,
             presets,
+            active_presets,
+            navigation,
             pacing,
             views,
             ..
@@ -141,6 +147,8 @@ impl App {
         session.material = material;
         session.settings = settings;
         session.presets = presets;
+        session.active_presets = active_presets;
+        session.navigation = navigation;
         session.pacing = pacing.into();
         session.views = stored_views(views);
         Ok(())
@@ -204,7 +212,7 @@ impl App {
             theme: remembered.appearance.0,
             text_scale: remembered.appearance.1,
             recent: remembered.recent.clone(),
-            plugin_folders: remembered.plugin_folders.clone(),
+            plugin_folders: self.added_plugin_folders(),
             window: Layout {
                 settings: panels.settings,
                 log: panels.log,
@@ -222,10 +230,25 @@ impl App {
             material: session.material,
             settings: session.settings.clone(),
             presets: session.presets.clone(),
+            active_presets: session.active_presets.clone(),
+            navigation: session.navigation,
             pacing: session.pacing.into(),
             views: views_to_store(&session.views),
             ..Preferences::default()
         }
+    }
+
+    /// Folders that are searched for plugins beside the usual ones.
+    fn added_plugin_folders(&self) -> Vec<PathBuf> {
+        // Before plugins are known, what was remembered stays.
+        if self.rows.folders.is_empty() {
+            return self.remembered.plugin_folders.clone();
+        }
+        let folders = self.rows.folders.iter().map(|row| &row.path);
+        folders
+            .filter(|path| !self.remembered.usual_folders.contains(path) && path.to_str().is_some())
+            .cloned()
+            .collect()
     }
 }
 

@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use pointstage_engine::stage::Severity;
-use pointstage_scene::{Job, LoadError, Loaded, Scene, load};
+use pointstage_scene::{Job, LoadError, Loaded, NearClipping, Scene, load};
 
 use super::app::App;
+use super::history::History;
 use super::intent::OpenMode;
 use super::loading::{Arrival, Batch, Finished, Place, arrive};
+use super::navigation::Navigator;
 use super::remembered::{stored_views, views_to_store};
 use super::tasks::guarded;
 use crate::session_file::{Renderers, SceneFile, SessionFile};
@@ -111,20 +113,27 @@ impl App {
             look,
             lights,
             settings,
+            presets,
             views,
             ..
         } = file;
         let session = &mut self.session;
+        // A view that the camera flies to must not carry it away from the session's.
+        self.navigator = Navigator::default();
         session.camera = view.camera();
+        session.near = NearClipping::of(&session.camera);
         session.view = look.into();
         session.lights = lights;
         session.settings = settings;
+        session.active_presets = presets;
         session.views = stored_views(views);
         if let Some(main) = renderers.main {
             session.renderer = main;
         }
         session.preview = renderers.preview;
         session.structure = renderers.structure;
+        // What was undone led to another session.
+        self.history = History::default();
         tracing::info!("session opened: {}", path.display());
         self.remembered.note(&path);
         self.remembered.absent = absent;
@@ -175,6 +184,7 @@ impl App {
         file.look = Look::from(&session.view);
         file.lights = session.lights.clone();
         file.settings = session.settings.clone();
+        file.presets = session.active_presets.clone();
         file.views = views_to_store(&session.views);
         file
     }

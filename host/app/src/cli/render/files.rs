@@ -84,9 +84,7 @@ impl Place<'_> {
             tracing::info!("written {}", path.display());
         }
         Ok(json!({
-            // The other fields are for people and for programs that know no sessions.
-        "session": session.to_toml_string(&folder_of(out)).ok(),
-        "files": files,
+            "files": files,
             "drawn_by": result.drawn_by,
             "size": result.picture.size_px,
             "view": view,
@@ -141,6 +139,8 @@ fn record_of(
     let files: Vec<_> = files.filter_map(|object| object.source.as_ref()).collect();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
+        // The other fields are for people and for programs that know no sessions.
+        "session": session.to_toml_string(&folder_of(out)).ok(),
         "files": files,
         "renderer": result.drawn_by,
         "settings": request.settings,
