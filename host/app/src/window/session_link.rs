@@ -116,7 +116,6 @@ impl App {
             views,
             ..
         } = file;
-        let session = &mut self.session;
         // A view that the camera flies to must not carry it away from the session's.
         let around = self.surroundings();
         self.navigator.stop(&mut self.session.camera, &around);
