@@ -7,6 +7,7 @@ use pointstage_scene::Camera;
 use super::super::view::{ViewTab, view_ui};
 use super::{asking, assert_asked, choose};
 use crate::window::intent::{Intent, Intents, ViewIntent};
+use crate::window::pacing::Pacing;
 use crate::window::session::ViewOptions;
 use crate::window::stage_link::legend_of;
 
@@ -16,6 +17,7 @@ fn tab(view: ViewOptions) -> Harness<'static, Intents> {
         let legend = legend_of(&view.show, Some([2.0, 1.0]));
         let tab = ViewTab {
             view: &view,
+            pacing: Pacing::default(),
             camera: &Camera::default(),
             targets: &targets,
             legend: legend.as_ref(),
