@@ -269,6 +269,7 @@ mod tests {
             kind: LightKind::Directional { towards: DVec3::X },
             space: LightSpace::World,
             colour: Vec3::ONE,
+            enabled: true,
         };
         // The eye has gone to +x, so a light from there is behind it.
         let place = light_place(&light, &camera).expect("a direction");

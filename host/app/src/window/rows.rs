@@ -11,7 +11,7 @@ use pointstage_plugin_api::manifest::PluginEntry;
 use pointstage_plugin_api::settings_schema::SettingSchema;
 use pointstage_scene::Scene;
 
-use super::recommend::{self, Candidate, Has};
+use super::recommend::{self, Candidate, Has, Recommendation};
 
 /// All rows.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,7 +6,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use pointstage_engine::frame::legend::{Legend, legend};
 use pointstage_engine::frame::targets::{TargetSpec, host_target_spec};
 use pointstage_engine::stage::{
-    Adapter, FrameRequest, FrameResult, Notice, Severity, Show, StageOptions, StageThread,
+    Adapter, FrameRequest, FrameResult, Notice, PluginHoldings, Severity, Show, Stage,
+    StageOptions, StageThread,
 };
 use pointstage_plugin_api::abi::Format;
 use pointstage_scene::Scene;

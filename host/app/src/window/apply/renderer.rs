@@ -21,7 +21,6 @@ impl App {
             RendererIntent::TogglePreview => self.roles.toggle_by_hand(),
             RendererIntent::ChooseStructure(id) => self.session.structure = id,
             RendererIntent::Set(id, value) => self.set(renderer, id, &value),
-            RendererIntent::Reset(id) => self.reset(&renderer, &[id]),
             RendererIntent::ResetSome(ids) => self.reset(&renderer, &ids),
             RendererIntent::ResetAll => {
                 self.session.settings.remove(&renderer);

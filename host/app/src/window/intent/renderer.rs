@@ -13,8 +13,6 @@ pub(crate) enum RendererIntent {
     TogglePreview,
     /// Give a setting of the chosen renderer a value.
     Set(String, SettingValue),
-    /// Give a setting of the chosen renderer its default.
-    Reset(String),
     /// Give these settings of the chosen renderer their defaults.
     ResetSome(Vec<String>),
     /// Give all settings of the chosen renderer their defaults.

@@ -90,8 +90,12 @@ pub(super) fn presets_ui(ui: &mut Ui, list: &PresetList, out: &mut Intents) {
     });
     let draft = draft.and_then(|draft| name_ui(ui, draft, list, out));
     ui.data_mut(|data| match draft {
-        Some(draft) => data.insert_temp(draft_id, draft),
-        None => data.remove::<Draft>(draft_id),
+        Some(draft) => {
+            data.insert_temp(draft_id, draft);
+        }
+        None => {
+            data.remove::<Draft>(draft_id);
+        }
     });
 }
 
