@@ -15,13 +15,14 @@ pub mod estimate;
 mod geometry;
 mod job;
 mod light;
+mod light_by_hand;
 mod load;
 mod scene;
 mod warnings;
 
 pub use bounds::Bounds;
 pub use camera::{
-    Camera, Projection, VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource,
+    Camera, NearClipping, Projection, VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource,
     ViewSourceError, orbit_cameras,
 };
 pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};

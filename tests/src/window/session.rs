@@ -194,6 +194,38 @@ impl Window {
         input::press_keys(&self.connection, self.root, keys)
     }
 
+    /// Presses keys and holds them while `act` runs; they are let go of even if it fails.
+    ///
+    /// # Errors
+    /// As for [`Window::press_keys`], and what `act` says.
+    pub fn while_holding<T>(
+        &mut self,
+        keys: &str,
+        act: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        input::hold_keys(&self.connection, self.root, keys)?;
+        let done = act(self);
+        input::release_keys(&self.connection, self.root, keys)?;
+        done
+    }
+
+    /// Presses `button` at (x, y) and holds it while `act` runs; it is let go of even if that fails.
+    ///
+    /// # Errors
+    /// When the display is gone, and what `act` says.
+    pub fn while_pressing<T>(
+        &mut self,
+        (x, y): (i16, i16),
+        button: u8,
+        act: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        self.point_at(x, y)?;
+        input::press(&self.connection, self.root, button)?;
+        let done = act(self);
+        input::release(&self.connection, self.root, button)?;
+        done
+    }
+
     /// Types ASCII text.
     ///
     /// # Errors

@@ -1,7 +1,11 @@
 //! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
 
+mod camera;
 mod desk;
+mod hand_over;
 mod panel;
+mod session;
+mod walk;
 
 use std::path::{Path, PathBuf};
 

@@ -10,6 +10,7 @@ use pointstage_plugin_api::abi::Interaction;
 use pointstage_scene::{Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
+use super::apply::take_pasted_view;
 use super::asking::{Asking, Look, Wish};
 use super::dialogs::{FileDialog, PathField};
 use super::folder_dialog::FolderDialog;
@@ -20,10 +21,11 @@ use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
 use super::memory::Memory;
-use super::navigation::CameraMove;
+use super::navigation::{Navigator, take_flying_keys};
 use super::pacing::Pacer;
 use super::palette::Palette;
 use super::picture::{PictureTexture, Transition};
+use super::remembered::Remembered;
 use super::roles::Roles;
 use super::rows::Rows;
 use super::session::Session;
@@ -41,8 +43,11 @@ pub(crate) struct App {
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
+    pub(super) remembered: Remembered,
     pub(super) asking: Asking,
     pub(super) roles: Roles,
+    /// What the camera does by itself.
+    pub(super) navigator: Navigator,
     pub(super) pacer: Pacer,
     pub(super) frame_times: FrameTimes,
     pub(super) memory: Memory,
@@ -124,8 +129,10 @@ impl App {
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
+            remembered: Remembered::without_file(wake.clone())?,
             asking: Asking::default(),
             roles: Roles::default(),
+            navigator: Navigator::default(),
             pacer: Pacer::default(),
             frame_times: FrameTimes::default(),
             memory: Memory::default(),
@@ -159,13 +166,19 @@ impl App {
         // Asked before the answers are taken: one that comes in between is taken by the next pass.
         let was_stage_idle = self.stage.is_idle();
         self.take_finished_tasks();
+        self.take_errands(&ctx);
         self.refresh_rows();
         self.tell_of_conflicting_keys();
         let refine = self.take_new_picture(&ctx);
         let mut intents = Intents::new();
+        self.advance_camera(&ctx);
         let actions: Vec<Action> = actions::all(self);
         let picture = self.viewport.map(|viewport| viewport.id);
+        if self.is_flying() {
+            take_flying_keys(&ctx);
+        }
         read_keys(&ctx, &actions, picture, &mut intents);
+        take_pasted_view(&ctx, &mut intents);
         take_dropped_files(&ctx, &mut intents);
         self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
         self.folder_dialog
@@ -178,6 +191,9 @@ impl App {
         self.note_history(&ctx);
         let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
+        if let Some(time) = self.keep_preferences(&ctx) {
+            ctx.request_repaint_after(time);
+        }
         self.set_title(&ctx);
         let is_settled = was_stage_idle && is_idle && !asked && self.is_at_rest();
         self.report_state(&ctx, is_settled);
@@ -188,6 +204,7 @@ impl App {
         for finished in self.tasks.take_finished() {
             match finished {
                 Finished::Loaded(loaded, place) => {
+                    self.remembered.note_loaded(&loaded, place);
                     let arrival = arrive(
                         &mut self.session,
                         &mut self.shown_batch,
@@ -196,9 +213,11 @@ impl App {
                         &mut self.log,
                     );
                     if arrival == Arrival::First {
-                        self.move_camera(CameraMove::Frame);
+                        self.remembered.leave_session();
+                        self.frame_new_scene();
                     }
                 }
+                Finished::Session(opened) => self.take_over(*opened),
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
@@ -222,8 +241,12 @@ impl App {
             return;
         };
         self.tell_of_bad_plugins(&rows);
+        let are_first = self.rows.renderers.is_empty();
         self.rows = rows;
         self.told_keys_of = None;
+        if are_first {
+            self.tell_of_missing_renderers();
+        }
         if self.rows.renderer(&self.session.renderer).is_none()
             && let Some(first) = self.rows.first_suitable()
         {
@@ -426,6 +449,7 @@ impl App {
         let is_still = |viewport: ViewportAnswer| viewport.interaction == Interaction::STILL;
         self.shown.as_deref().is_some_and(is_final)
             && self.viewport.is_some_and(is_still)
+            && !self.navigator.is_moving()
             && self.tasks.open().is_empty()
             && !self.roles.is_under_way()
             && !self.pacer.is_waiting()
@@ -439,15 +463,6 @@ impl App {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
-    }
-
-    /// Moves the camera in the scene and viewport that are shown.
-    pub(super) fn move_camera(&mut self, camera_move: CameraMove) {
-        let bounds = self.session.scene.bounds_world();
-        let aspect = self.viewport.map_or(1.5, |viewport| {
-            f64::from(viewport.size_px[0]) / f64::from(viewport.size_px[1])
-        });
-        camera_move.apply(&mut self.session.camera, &bounds, aspect);
     }
 }
 

@@ -8,15 +8,16 @@ use pointstage_engine::stage::{Background, SettingValues, Show};
 use super::actions::Action;
 use super::app::App;
 use super::facts::facts_at;
+use super::gizmo::{Gizmo, gizmo_ui};
 use super::inspector::{self, pixel_at};
 use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
-use super::settings::{self, lighting, plugins, renderer, scene, view};
+use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
 use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
-use super::{help, legend, presets, progress, toasts, welcome};
+use super::{help, legend, presets, progress, theme, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
@@ -48,14 +49,30 @@ impl App {
         let viewport = Viewport {
             layers: &layers,
             background: self.shown_background(),
+            navigation: &self.session.navigation,
+            is_moving: self.navigator.is_moving(),
         };
         let answer = CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| viewport_ui(ui, &viewport, out))
+            .show(ui, |ui| {
+                let answer = viewport_ui(ui, &viewport, out);
+                if self.session.navigation.gizmo {
+                    gizmo_ui(ui, answer.rect, &self.gizmo(), out);
+                }
+                answer
+            })
             .inner;
         self.viewport = Some(answer);
         self.inspect_ui(ui.ctx(), answer, out);
         self.show_over(ui.ctx(), answer.rect, actions, out);
+    }
+
+    fn gizmo(&self) -> Gizmo<'_> {
+        Gizmo {
+            camera: &self.session.camera,
+            lights: &self.session.lights,
+            up: self.navigator.level_axis(),
+        }
     }
 
     /// What shows where the picture does not reach or is see-through.
@@ -77,7 +94,12 @@ impl App {
     ) {
         let is_empty = self.session.scene.objects().is_empty();
         if is_empty && self.tasks.open().is_empty() {
-            welcome::welcome_ui(ctx, over, &self.samples, out);
+            let welcome = welcome::Welcome {
+                samples: &self.samples,
+                recent: self.remembered.recent.paths(),
+                missing: &self.remembered.missing,
+            };
+            welcome::welcome_ui(ctx, over, &welcome, out);
         }
         if self.session.view.show != Show::Colours
             && !is_empty
@@ -102,6 +124,7 @@ impl App {
         {
             self.path_field = None;
         }
+        theme::focus_frame_ui(ctx, self.viewport.map(|viewport| viewport.id));
     }
 
     /// What is under the pointer, and what a click asks about it.
@@ -203,7 +226,13 @@ impl App {
                 let tab = view::ViewTab {
                     view: &session.view,
                     pacing: session.pacing,
-                    camera: &session.camera,
+                    camera: camera::CameraTab {
+                        camera: &session.camera,
+                        near: session.near,
+                        bounds: session.scene.bounds_world(),
+                        options: &session.navigation,
+                    },
+                    views: &session.views,
                     targets: self.targets(),
                     legend: legend.as_ref(),
                 };

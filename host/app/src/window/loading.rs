@@ -10,6 +10,7 @@ use pointstage_scene::{
 use super::intent::{OpenMode, SceneIntent};
 use super::log::{Log, Offer};
 use super::session::Session;
+use super::session_link::OpenedSession;
 use super::tasks::guarded;
 
 /// Numbers the acts of opening, so that the files of one act replace the scene once.
@@ -30,6 +31,8 @@ pub(crate) enum Place {
 pub(crate) enum Finished {
     /// An object.
     Loaded(Box<Loaded>, Place),
+    /// A session with its objects.
+    Session(Box<OpenedSession>),
     /// Stopped by the user.
     Cancelled(String),
     /// An error, for the user.

@@ -11,12 +11,18 @@ mod app;
 mod app_tests;
 mod apply;
 mod asking;
+mod bug_report;
+#[cfg(test)]
+mod camera_tests;
 mod canvas;
 mod choices;
 mod dialogs;
+mod errands;
 mod facts;
+mod flight;
 mod folder_dialog;
 mod frame_times;
+mod gizmo;
 mod help;
 mod history;
 mod inspector;
@@ -36,9 +42,13 @@ mod picture;
 mod presets;
 mod progress;
 mod recommend;
+mod remembered;
+#[cfg(test)]
+mod remembered_tests;
 mod roles;
 mod rows;
 mod session;
+mod session_link;
 mod settings;
 mod stage_link;
 mod status;
@@ -46,10 +56,12 @@ mod tasks;
 #[cfg(test)]
 mod test_frames;
 mod theme;
+mod thumbnail;
 mod toasts;
 mod ui_state;
 mod viewport;
 mod views;
 mod welcome;
 
+pub(crate) use navigation::{FLY_SPEEDS, NavigationOptions};
 pub(crate) use open::open;

@@ -179,7 +179,7 @@ mod tests {
     fn by_hand_the_preview_stays_until_it_is_sent_away() {
         let (mut roles, session) = (Roles::default(), session(Some("fast")));
         let now = Instant::now();
-        let mut role = |roles: &mut Roles| roles.choose(&session, Interaction::STILL, false, now);
+        let role = |roles: &mut Roles| roles.choose(&session, Interaction::STILL, false, now);
         roles.toggle_by_hand();
         assert_eq!(role(&mut roles), Role::Preview);
         assert_eq!(role(&mut roles), Role::Preview);

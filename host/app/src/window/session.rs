@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pointstage_engine::stage::{Background, SettingValues, Show};
-use pointstage_scene::{Camera, Lights, Material, ObjectId, Scene, Warnings};
+use pointstage_scene::{Camera, Lights, Material, NearClipping, ObjectId, Scene, Warnings};
 
+use super::navigation::NavigationOptions;
 use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
 use super::views::StoredViews;
@@ -19,6 +20,10 @@ pub(crate) struct Session {
     pub(crate) warnings: BTreeMap<ObjectId, Warnings>,
     /// The eye.
     pub(crate) camera: Camera,
+    /// What decides where the camera's near plane stands.
+    pub(crate) near: NearClipping,
+    /// How the camera answers to pointer and keys.
+    pub(crate) navigation: NavigationOptions,
     /// The lights.
     pub(crate) lights: Lights,
     /// The material of objects that come.
@@ -78,6 +83,8 @@ impl Session {
             scene: Arc::new(Scene::new()),
             warnings: BTreeMap::new(),
             camera: Camera::default(),
+            near: NearClipping::default(),
+            navigation: NavigationOptions::default(),
             lights: Lights::default(),
             material: Material::default(),
             renderer,

@@ -201,6 +201,13 @@ impl App {
             })).collect::<Vec<_>>(),
             "view": ViewRecord::new(session.camera, size_px[0], size_px[1]),
             "lights": session.lights,
+            "flight": self.navigator.is_flight(),
+            "flying": self.is_flying(),
+            "turntable": session.navigation.turntable,
+            "views": {
+                "slots": session.views.slots.iter().map(Option::is_some).collect::<Vec<_>>(),
+                "named": session.views.named.iter().map(|view| &view.name).collect::<Vec<_>>(),
+            },
             "show": super::legend::title_of(&session.view.show),
             "tasks": tasks.map(|task| json!({
                 "title": task.title,
@@ -212,6 +219,10 @@ impl App {
                 "text": entry.notice.text,
             })).collect::<Vec<_>>(),
             "adapter": self.stage.adapter(),
+            "recent": self.remembered.recent.paths(),
+            "session_path": self.remembered.session_path,
+            "theme": self.remembered.appearance().0,
+            "text_scale": self.remembered.appearance().1,
         })
     }
 }

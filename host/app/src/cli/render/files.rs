@@ -1,12 +1,13 @@
 //! Draws a view and writes its files.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use pointstage_engine::stage::{
     FrameError, FrameRequest, FrameResult, FrameStats, Severity, Show, Stage,
 };
-use pointstage_scene::ViewRecord;
+use pointstage_scene::{ObjectId, ViewRecord, Warnings};
 use serde_json::{Value, json};
 
 use super::RenderArguments;
@@ -14,11 +15,15 @@ use super::choice::no_target;
 use crate::cli::Outcome;
 use crate::cli::values::{self, AovFile, AovFormat};
 use crate::output::{exr_file, file_values, names, png_file, whole_file};
+use crate::session_file::{SessionFile, folder_of};
+use crate::toml_form::show_key;
 
 /// Where a view stands among the views, and so what its files are called.
 pub(super) struct Place<'a> {
     /// The command line.
     pub(super) arguments: &'a RenderArguments,
+    /// What loading each object gave to say.
+    pub(super) warnings: &'a BTreeMap<ObjectId, Warnings>,
     /// Of this view.
     pub(super) index: usize,
     /// Of all views.
@@ -38,7 +43,8 @@ impl Place<'_> {
         request: &FrameRequest,
     ) -> Outcome<Value> {
         let result = draw_finished(stage, request)?;
-        let record = record_of(self.arguments, view, request, &result);
+        let session = SessionFile::of_request(request, self.warnings);
+        let record = record_of(view, request, &result, &session, &self.arguments.out);
         let lacks = |key: &str| {
             let given = result.available_targets.iter().map(String::as_str);
             no_target(&result.drawn_by, key, &given.collect::<Vec<_>>())
@@ -123,21 +129,26 @@ fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResu
 
 /// What a picture was made from, so that it can be made again.
 fn record_of(
-    arguments: &RenderArguments,
     view: &ViewRecord,
     request: &FrameRequest,
     result: &FrameResult,
+    session: &SessionFile,
+    out: &Path,
 ) -> Value {
+    let files = request.scene.objects().iter();
+    let files: Vec<_> = files.filter_map(|object| object.source.as_ref()).collect();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "files": arguments.files,
+        // The other fields are for people and for programs that know no sessions.
+        "session": session.to_toml_string(&folder_of(out)).ok(),
+        "files": files,
         "renderer": result.drawn_by,
         "settings": request.settings,
         "structure": request.structure,
         "structure_settings": request.structure_settings,
         "view": view,
         "lights": request.lights,
-        "show": arguments.show,
+        "show": show_key(&request.show),
         "background": values::background_text(request.background),
         "exposure": request.exposure,
         "radius_scale": request.radius_scale,

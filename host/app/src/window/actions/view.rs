@@ -1,32 +1,24 @@
-//! The *View* menu: camera, views, what is shown.
+//! The *View* menu: what is shown.
 
 use egui::{Key, Modifiers};
 use pointstage_engine::stage::Show;
 
 use super::{Action, Menu, Place, Scope};
 use crate::window::app::App;
-use crate::window::intent::{CameraIntent, InspectIntent, Tab, ViewIntent, WindowIntent};
+use crate::window::intent::{InspectIntent, Tab, ViewIntent, WindowIntent};
 use crate::window::legend;
-use crate::window::navigation::{Axis, CameraMove, UpAxis};
 
-/// Gestures over the picture.
+/// What clicks do.
 pub(super) const GESTURES: &[(&str, &str)] = &[
-    ("Drag", "turn around the scene"),
-    ("Shift+drag, middle drag", "shift the scene"),
-    ("Wheel, pinch", "zoom to the pointer"),
-    ("Arrow keys", "turn, after a click on the picture"),
-    ("Shift+arrow keys", "shift, after a click on the picture"),
     (
         "Click on a surface",
         "keep the surfel and list all that is known of it",
     ),
     ("Double click on a surface", "turn around it from now on"),
-    ("+, −", "zoom, after a click on the picture"),
 ];
 
 pub(super) fn actions(app: &App) -> Vec<Action> {
-    let mut actions = camera_actions(app);
-    actions.extend(show_actions(app));
+    let mut actions = show_actions(app);
     actions.extend(inspect_actions(app));
     actions.push(Action::new(
         "view.settings",
@@ -34,52 +26,6 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
         Place::new(Menu::View, 3),
         WindowIntent::ChooseTab(Tab::View),
     ));
-    actions
-}
-
-fn camera_actions(app: &App) -> Vec<Action> {
-    let place = Place::new(Menu::View, 0);
-    let camera = |camera_move| CameraIntent::Move(camera_move);
-    let mut actions = vec![
-        Action::new(
-            "camera.frame",
-            "Frame scene",
-            place,
-            camera(CameraMove::Frame),
-        )
-        .keys(Modifiers::NONE, Key::F)
-        .keys(Modifiers::NONE, Key::Home),
-    ];
-    let keys = |axis| match axis {
-        Axis::Front => (Modifiers::NONE, Key::Z),
-        Axis::Back => (Modifiers::SHIFT, Key::Z),
-        Axis::Left => (Modifiers::SHIFT, Key::X),
-        Axis::Right => (Modifiers::NONE, Key::X),
-        Axis::Top => (Modifiers::NONE, Key::Y),
-        Axis::Bottom => (Modifiers::SHIFT, Key::Y),
-    };
-    actions.extend(Axis::ALL.map(|(axis, name)| {
-        let id = format!("camera.look_from.{}", name.to_lowercase());
-        let (modifiers, key) = keys(axis);
-        let place = place.within("Look from");
-        Action::new(id, name, place, camera(CameraMove::Axis(axis))).keys(modifiers, key)
-    }));
-    let up_now = UpAxis::of(&app.session.camera);
-    for (axis, name) in [(UpAxis::Y, "Y"), (UpAxis::Z, "Z")] {
-        let id = format!("camera.up.{}", name.to_lowercase());
-        let place = place.within("Up axis");
-        let action = Action::new(id, name, place, camera(CameraMove::Upwards(axis)));
-        actions.push(action.on(up_now == axis));
-    }
-    actions.push(
-        Action::new(
-            "camera.projection",
-            "Perspective or orthographic",
-            place,
-            camera(CameraMove::SwitchProjection),
-        )
-        .keys(Modifiers::NONE, Key::O),
-    );
     actions
 }
 

@@ -2,14 +2,17 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointstage_engine::stage::{Background, Show};
-use pointstage_scene::Camera;
+use pointstage_scene::{Bounds, Camera, NearClipping};
 
+use super::super::camera::CameraTab;
 use super::super::view::{ViewTab, view_ui};
 use super::{asking, assert_asked, choose};
 use crate::window::intent::{Intent, Intents, ViewIntent};
+use crate::window::navigation::NavigationOptions;
 use crate::window::pacing::Pacing;
 use crate::window::session::ViewOptions;
 use crate::window::stage_link::legend_of;
+use crate::window::views::StoredViews;
 
 fn tab(view: ViewOptions) -> Harness<'static, Intents> {
     let targets = ["colour", "depth", "normal"].map(ToOwned::to_owned);
@@ -18,7 +21,13 @@ fn tab(view: ViewOptions) -> Harness<'static, Intents> {
         let tab = ViewTab {
             view: &view,
             pacing: Pacing::default(),
-            camera: &Camera::default(),
+            camera: CameraTab {
+                camera: &Camera::default(),
+                near: NearClipping::default(),
+                bounds: Bounds::EMPTY,
+                options: &NavigationOptions::default(),
+            },
+            views: &StoredViews::default(),
             targets: &targets,
             legend: legend.as_ref(),
         };
