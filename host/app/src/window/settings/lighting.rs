@@ -1,12 +1,15 @@
 //! The *Lighting* tab: headlight, ambient light, up to four sources, and how objects take light.
 
-use egui::{DragValue, ScrollArea, Slider, Ui};
+use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
 use glam::{DVec3, Vec3};
 use pointstage_scene::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS, Scene};
 
 use super::material::material_ui;
 use crate::window::intent::{Intents, LightIntent};
 use crate::window::light_presets::{LIGHT_PRESETS, preset_of};
+
+/// Showing a value must not round it: only what is edited is brought into the slider's range and digits.
+const UNTOUCHED: SliderClamping = SliderClamping::Edits;
 
 /// What the tab shows.
 pub(crate) struct LightingTab<'a> {
@@ -61,7 +64,8 @@ fn headlight_ui(ui: &mut Ui, headlight: &mut Headlight) {
     );
     if headlight.enabled {
         super::row(ui, "Its strength", "", |ui| {
-            ui.add(Slider::new(&mut headlight.strength, 0.0..=2.0).max_decimals(2));
+            let slider = Slider::new(&mut headlight.strength, 0.0..=2.0);
+            ui.add(slider.clamping(UNTOUCHED).max_decimals(2));
         });
     }
 }
@@ -161,6 +165,7 @@ fn direction_ui(ui: &mut Ui, towards: &mut DVec3) {
         "0° from the front, 90° from the right",
         |ui| {
             let slider = Slider::new(&mut azimuth, -180.0..=180.0)
+                .clamping(UNTOUCHED)
                 .suffix("°")
                 .max_decimals(1);
             changed |= ui.add(slider).changed();
@@ -168,6 +173,7 @@ fn direction_ui(ui: &mut Ui, towards: &mut DVec3) {
     );
     super::row(ui, "Elevation", "90° from above", |ui| {
         let slider = Slider::new(&mut elevation, -90.0..=90.0)
+            .clamping(UNTOUCHED)
             .suffix("°")
             .max_decimals(1);
         changed |= ui.add(slider).changed();
@@ -206,7 +212,11 @@ fn colour_and_strength_ui(ui: &mut Ui, colour: &mut Vec3) {
     let taken = before - ui.available_width();
     super::set_slider_width(ui, ui.spacing().slider_width - taken);
     let slid = ui
-        .add(Slider::new(&mut strength, 0.0..=2.0).max_decimals(2))
+        .add(
+            Slider::new(&mut strength, 0.0..=2.0)
+                .clamping(UNTOUCHED)
+                .max_decimals(2),
+        )
         .on_hover_text("Strength")
         .changed();
     if picked || slid {

@@ -1,6 +1,6 @@
 //! How objects take light: ka, kd, ks and n of Blinn and Phong, of the selected objects or of all.
 
-use egui::{Slider, Ui};
+use egui::{Slider, SliderClamping, Ui};
 use pointstage_scene::{Material, Object, Scene};
 
 use crate::window::intent::{Intents, LightIntent};
@@ -49,7 +49,9 @@ pub(super) fn material_ui(ui: &mut Ui, scene: &Scene, to_come: Material, out: &m
     ];
     for (name, help, value) in parts {
         super::row(ui, name, help, |ui| {
-            ui.add(Slider::new(value, 0.0..=1.0).max_decimals(3));
+            // Showing a value must not round it.
+            let slider = Slider::new(value, 0.0..=1.0).clamping(SliderClamping::Edits);
+            ui.add(slider.max_decimals(3));
         });
     }
     super::row(
@@ -59,7 +61,7 @@ pub(super) fn material_ui(ui: &mut Ui, scene: &Scene, to_come: Material, out: &m
         |ui| {
             let slider = Slider::new(&mut edited.shininess, 1.0..=SHARPEST)
                 .logarithmic(true)
-                .clamping(egui::SliderClamping::Never)
+                .clamping(SliderClamping::Never)
                 .max_decimals(1);
             ui.add(slider);
         },

@@ -1,7 +1,7 @@
 //! A panel made from a settings schema: groups, search, conditions, help, reset of one, of a group, of all.
 
-use egui::collapsing_header::CollapsingState;
-use egui::{Button, Id, RichText, TextEdit, Ui};
+use egui::collapsing_header::{CollapsingState, paint_default_icon};
+use egui::{Button, Id, RichText, Sense, TextEdit, Ui, vec2};
 use pointstage_plugin_api::settings_schema::{
     SettingCost, SettingKind, SettingSchema, SettingValue, SettingValues,
 };
@@ -142,11 +142,12 @@ fn group_ui(
     let is_open = state.is_open() || is_searched;
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        let sign = if is_open { "⏷" } else { "⏵" };
-        let heading = Button::new(RichText::new(format!("{sign} {group}")).strong()).frame(false);
-        let heading = ui.add(heading);
+        // The toolkit's own sign; no font is sure to have one.
+        let size = vec2(ui.spacing().icon_width, ui.spacing().interact_size.y);
+        let (_, icon) = ui.allocate_exact_size(size, Sense::hover());
+        paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
+        let heading = ui.add(Button::new(RichText::new(group).strong()).frame(false));
         ui.ctx().accesskit_node_builder(heading.id, |node| {
-            node.set_label(group);
             node.set_expanded(is_open);
         });
         if heading.clicked() {

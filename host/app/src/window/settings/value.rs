@@ -37,12 +37,12 @@ pub(super) fn value_ui(ui: &mut Ui, setting: &SettingSchema, value: &SettingValu
             Edited::new(response, changed.then_some(SettingValue::Bool(edited)))
         }
         (SettingKind::Int { range, .. }, SettingValue::Int(value)) => {
-            let (response, typed) = int_ui(ui, range, *value);
+            let (response, typed) = int_ui(ui, &setting.label, range, *value);
             let typed = typed.map(SettingValue::Int);
             checked(setting, response, typed, SettingValue::Int(*value))
         }
         (SettingKind::Float { range, .. }, SettingValue::Float(value)) => {
-            let (response, typed) = float_ui(ui, range, *value);
+            let (response, typed) = float_ui(ui, &setting.label, range, *value);
             let typed = typed.map(SettingValue::Float);
             checked(setting, response, typed, SettingValue::Float(*value))
         }
@@ -116,7 +116,12 @@ fn nearest_of(setting: &SettingSchema, typed: &SettingValue) -> Option<SettingVa
 }
 
 /// A slider over the soft range; typing reaches the hard range. Without any range, a number to drag or type.
-fn float_ui(ui: &mut Ui, range: &NumberRange<f64>, value: f64) -> (Response, Option<f64>) {
+fn float_ui(
+    ui: &mut Ui,
+    name: &str,
+    range: &NumberRange<f64>,
+    value: f64,
+) -> (Response, Option<f64>) {
     let mut edited = value;
     let response = if let Some((low, high)) =
         slider_ends(range.soft_min, range.min, range.soft_max, range.max)
@@ -141,12 +146,19 @@ fn float_ui(ui: &mut Ui, range: &NumberRange<f64>, value: f64) -> (Response, Opt
                 .suffix(suffix(&range.unit))
                 .max_decimals(6),
         )
+        // The toolkit would call a number with a unit by its unit.
+        .accessible_name(name)
     };
     let is_edited = response.changed() && edited.is_finite() && edited != value;
     (response, is_edited.then_some(edited))
 }
 
-fn int_ui(ui: &mut Ui, range: &NumberRange<i64>, value: i64) -> (Response, Option<i64>) {
+fn int_ui(
+    ui: &mut Ui,
+    name: &str,
+    range: &NumberRange<i64>,
+    value: i64,
+) -> (Response, Option<i64>) {
     let mut edited = value;
     let response = if let Some((low, high)) =
         slider_ends(range.soft_min, range.min, range.soft_max, range.max)
@@ -161,6 +173,7 @@ fn int_ui(ui: &mut Ui, range: &NumberRange<i64>, value: i64) -> (Response, Optio
         ui.add(slider)
     } else {
         ui.add(DragValue::new(&mut edited).suffix(suffix(&range.unit)))
+            .accessible_name(name)
     };
     let is_edited = response.changed() && edited != value;
     (response, is_edited.then_some(edited))

@@ -129,8 +129,7 @@ fn stops_ui(ui: &mut Ui, exposure: f32, out: &mut Intents) {
             .speed(0.02)
             .range(-MOST_STOPS..=MOST_STOPS)
             .max_decimals(2)
-            .custom_formatter(|stops, _| format!("{stops:+.2}"))
-            .suffix(" stops");
+            .custom_formatter(|stops, _| format!("{stops:+.2}"));
         if ui.add(drag).changed() && edited != stops {
             out.push(ViewIntent::Exposure(edited.exp2()));
         }
