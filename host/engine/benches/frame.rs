@@ -176,6 +176,7 @@ fn composition(criterion: &mut Criterion) {
             clip_from_view: Mat4::from_cols_array_2d(&frame(&Camera::default()).clip_from_view),
             tile_origin_y_px: 0.0,
             image_height_px: SIZE_PX[1] as f32,
+            ramp_range: None,
         };
         group.bench_function(format!("{} on the CPU", shown.key), |bencher| {
             bencher.iter(|| black_box(compose_cpu::compose(&planes, &composition)));

@@ -71,6 +71,9 @@ pub(super) struct Uniform {
     pub(super) tile_origin_y_px: f32,
     pub(super) image_height_px: f32,
     pub(super) channels: u32,
+    pub(super) given_ends: [f32; 2],
+    pub(super) has_given_ends: u32,
+    pub(super) padding: u32,
 }
 
 impl Composer {
@@ -136,6 +139,7 @@ impl Composer {
         };
         let range = range_keys.and_then(|keys| range(keys, shown.plane_format()));
         let range = range.map(|[least, greatest]| composition.ramp_ends(least, greatest));
+        let range = composition.given_ends().or(range);
         let planes = core::iter::zip(read_back, words).map(|(key, words)| {
             let format = targets.get(key).map(GpuTarget::plane_format);
             (
@@ -202,6 +206,9 @@ fn uniform(composition: &Composition, size_px: [u32; 2]) -> Uniform {
         tile_origin_y_px: composition.tile_origin_y_px,
         image_height_px: composition.image_height_px,
         channels: 1,
+        given_ends: composition.given_ends().unwrap_or_default(),
+        has_given_ends: composition.given_ends().is_some().into(),
+        padding: 0,
     }
 }
 

@@ -30,6 +30,7 @@ pub fn compose(targets: &CpuTargets, composition: &Composition) -> Option<Compos
         PlaneValues::Uint(values) => range_of_numbers(values, composition),
     };
     let range = range.map(|[least, greatest]| composition.ramp_ends(least, greatest));
+    let range = composition.given_ends().or(range);
 
     let mut rgba = vec![0; pixel_count([width, height]) * 4];
     let row_length = (width as usize).max(1);
@@ -224,6 +225,7 @@ mod tests {
             clip_from_view: Camera::default().clip_from_view(1.0).as_mat4(),
             tile_origin_y_px: 0.0,
             image_height_px: 2.0,
+            ramp_range: None,
         }
     }
 
@@ -351,6 +353,17 @@ mod tests {
             (far - 3.0).abs() < 1e-5 && (near - 1.0).abs() < 1e-5,
             "{far} {near}"
         );
+    }
+
+    #[test]
+    fn a_given_range_holds_whatever_is_in_view() {
+        let mut composition = show(LOD, Background::Transparent);
+        let found = pixel_of(&[4.0], &composition);
+        composition.ramp_range = Some([0.0, 8.0]);
+        let given = pixel_of(&[4.0], &composition);
+        assert_ne!(found, given, "the only value in view is at an end");
+        let [r, g, b] = ramp_colour(0.5).map(unorm8);
+        assert_eq!(given, [r, g, b, 255]);
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub struct Composition {
     pub tile_origin_y_px: f32,
     /// Height of the whole image, px.
     pub image_height_px: f32,
+    /// Values at the dark and the bright end of the ramp (distances, for depth); `None` finds them in view.
+    pub ramp_range: Option<[f32; 2]>,
 }
 
 /// A composed picture.
@@ -48,6 +50,7 @@ impl Composition {
             clip_from_view: Mat4::from_cols_array_2d(&frame.clip_from_view),
             tile_origin_y_px: frame.tile_origin_px[1],
             image_height_px: frame.image_size_px[1],
+            ramp_range: None,
         }
     }
 
@@ -68,6 +71,15 @@ impl Composition {
 
     /// Whether the colours need the least and the greatest value in view.
     pub(crate) fn needs_range(&self) -> bool {
+        self.has_ramp() && self.ramp_range.is_none()
+    }
+
+    /// The ramp's ends, if the target is shown on a ramp and they are given.
+    pub(crate) fn given_ends(&self) -> Option<[f32; 2]> {
+        self.ramp_range.filter(|_| self.has_ramp())
+    }
+
+    fn has_ramp(&self) -> bool {
         matches!(
             self.shown.appearance,
             Appearance::Depth | Appearance::Ramp | Appearance::RampFromZero

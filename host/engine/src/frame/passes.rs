@@ -248,6 +248,9 @@ mod tests {
             tile_origin_y_px,
             image_height_px,
             channels,
+            given_ends,
+            has_given_ends,
+            padding,
         ];
         let found: Vec<(&str, u32)> = members
             .iter()

@@ -295,6 +295,7 @@ fn composition(shown: &TargetSpec, background: Background, clip_from_view: Mat4)
         clip_from_view,
         tile_origin_y_px: 3.0,
         image_height_px: 50.0,
+        ramp_range: None,
     }
 }
 
@@ -329,7 +330,12 @@ fn every_target_looks_the_same_on_the_device_and_on_the_cpu() {
                 for (background, clip_from_view) in
                     backgrounds.iter().zip(projections().iter().cycle())
                 {
-                    let composition = composition(shown, *background, *clip_from_view);
+                    let composition = Composition {
+                        // One background of the three goes with given ends.
+                        ramp_range: matches!(background, Background::Solid(_))
+                            .then_some([0.75, 0.125]),
+                        ..composition(shown, *background, *clip_from_view)
+                    };
                     let cpu = compose_cpu::compose(&planes, &composition).unwrap();
                     let device = composer.compose(&targets, &composition, &[], TIMEOUT);
                     let device = device.unwrap().composed;

@@ -4,7 +4,7 @@
 //! driver too. Anything else is examined anew. A damaged file is set aside, and a folder that cannot be written only
 //! costs the next start some time.
 
-use super::verdict::Verdict;
+use super::verdict::{Verdict, VerdictClass};
 use serde::{Deserialize, Serialize};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ struct Content {
 }
 
 /// The verdicts known so far.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct VerdictCache {
     path: Option<PathBuf>,
     files: Vec<(FileKey, Verdict)>,
@@ -111,6 +111,13 @@ impl VerdictCache {
             .rev()
             .find(|(known, _)| known == key)
             .map(|(_, verdict)| verdict)
+    }
+
+    /// Whether the user set a file with this content aside. That holds for every copy and every build of the program.
+    pub fn is_set_aside(&self, hash: &str) -> bool {
+        self.files
+            .iter()
+            .any(|(key, verdict)| key.hash == hash && verdict.class == VerdictClass::SetAside)
     }
 
     /// Keeps a verdict on a file.
@@ -177,7 +184,6 @@ fn write(path: &Path, content: &Content) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plugins::verdict::VerdictClass;
 
     fn key() -> FileKey {
         FileKey {
@@ -244,6 +250,19 @@ mod tests {
         let mut cache = filled(folder.path());
         cache.forget("ab");
         assert_eq!((cache.file(&key()), cache.trial(&trial())), (None, None));
+    }
+
+    #[test]
+    fn what_the_user_set_aside_stays_so_under_any_name_until_it_is_forgotten() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut cache = filled(folder.path());
+        assert!(!cache.is_set_aside("ab"));
+        cache.set_file(key(), Verdict::set_aside("libdots.so"));
+        cache.save();
+        let mut cache = VerdictCache::open(Some(folder.path()));
+        assert!(cache.is_set_aside("ab"), "in the next session too");
+        cache.forget("ab");
+        assert!(!cache.is_set_aside("ab"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Where plugins are looked for.
 
+use super::found_in::FoundIn;
 use super::probe::{ChildProgram, Examination};
 use etcetera::BaseStrategy as _;
 use std::collections::BTreeSet;
@@ -39,19 +40,33 @@ impl DiscoverOptions {
 
 /// The entries of [`PLUGIN_PATH_VARIABLE`], the user's folder, the program's folder and `plugins` beneath it.
 pub fn standard_folders() -> Vec<PathBuf> {
-    let mut folders: Vec<PathBuf> = std::env::var_os(PLUGIN_PATH_VARIABLE)
-        .map(|paths| std::env::split_paths(&paths).collect())
-        .unwrap_or_default();
-    if let Ok(base) = etcetera::choose_base_strategy() {
-        folders.push(base.data_dir().join("pointstage").join("plugins"));
-    }
-    let program = std::env::current_exe().ok();
-    if let Some(folder) = program.as_deref().and_then(Path::parent) {
-        folders.push(folder.to_owned());
+    let mut folders = variable_folders();
+    folders.extend(user_folder());
+    if let Some(folder) = program_folder() {
+        folders.push(folder.clone());
         folders.push(folder.join("plugins"));
     }
     folders.retain(|folder| !folder.as_os_str().is_empty());
     folders
+}
+
+/// The entries of [`PLUGIN_PATH_VARIABLE`].
+pub(super) fn variable_folders() -> Vec<PathBuf> {
+    std::env::var_os(PLUGIN_PATH_VARIABLE)
+        .map(|paths| std::env::split_paths(&paths).collect())
+        .unwrap_or_default()
+}
+
+/// The user's own folder for plugins.
+pub(super) fn user_folder() -> Option<PathBuf> {
+    let base = etcetera::choose_base_strategy().ok()?;
+    Some(base.data_dir().join("pointstage").join("plugins"))
+}
+
+/// The folder of this program.
+pub(super) fn program_folder() -> Option<PathBuf> {
+    let program = std::env::current_exe().ok()?;
+    program.parent().map(Path::to_owned)
 }
 
 /// The user's folder for what Pointstage keeps between sessions.
@@ -65,31 +80,32 @@ pub fn standard_state_folder() -> PathBuf {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Candidate {
     pub(super) path: PathBuf,
-    /// Named by the user: told whatever is wrong with it.
-    pub(super) named: bool,
+    /// Whether the user named it: then it is told whatever is wrong with it.
+    pub(super) found_in: FoundIn,
 }
 
 /// All candidates: named files first, then each folder's libraries by name. Each path once.
 pub(super) fn candidates(options: &DiscoverOptions) -> Vec<Candidate> {
     let mut seen = BTreeSet::new();
     let mut found = Vec::new();
-    let mut add = |path: &Path, named: bool| {
+    let mut add = |path: &Path, found_in: FoundIn| {
         // The same file under two names is one candidate; one that does not exist keeps its name.
         let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if seen.insert(path.clone()) {
-            found.push(Candidate { path, named });
+            found.push(Candidate { path, found_in });
         }
     };
     for file in &options.files {
-        add(file, true);
+        add(file, FoundIn::Named);
     }
     for folder in &options.folders {
         if folder.is_file() {
-            add(folder, true);
+            add(folder, FoundIn::Named);
             continue;
         }
+        let found_in = FoundIn::folder(folder);
         for path in libraries_in(folder) {
-            add(&path, false);
+            add(&path, found_in.clone());
         }
     }
     found
@@ -135,11 +151,15 @@ mod tests {
         };
         let found: Vec<_> = candidates(&options)
             .into_iter()
-            .map(|c| (c.path, c.named))
+            .map(|c| (c.path, c.found_in))
             .collect();
         assert_eq!(
             found,
-            [(b, true), ("/no/such/file.so".into(), true), (a, false)]
+            [
+                (b, FoundIn::Named),
+                ("/no/such/file.so".into(), FoundIn::Named),
+                (a, FoundIn::Folder(folder.path().to_owned()))
+            ]
         );
     }
 }

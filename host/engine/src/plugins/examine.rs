@@ -3,7 +3,8 @@
 use super::cache::FileKey;
 use super::discover::Candidate;
 use super::elf::{BrokenObject, check_whole};
-use super::library::{host_api, name_of};
+use super::found_in::FoundIn;
+use super::library::{self, host_api, name_of};
 use super::load_error::LoadPluginError;
 use super::manifest::read_manifest;
 use super::verdict::Verdict;
@@ -21,6 +22,8 @@ pub struct PluginFile {
     pub path: PathBuf,
     /// Named by the user, not found in a folder.
     pub named: bool,
+    /// Where it was found.
+    pub found_in: FoundIn,
     /// Length, bytes.
     pub size: u64,
     /// Time of change.
@@ -35,11 +38,17 @@ pub struct PluginFile {
     pub verdict: Verdict,
     /// Whether the verdict is of an earlier session.
     pub from_cache: bool,
-    /// How long the examination in a child took.
+    /// How long the examination in a child took; zero if an earlier session did it.
     pub examination_time: Duration,
 }
 
 impl PluginFile {
+    /// How long loading it into this process took; none if it was not loaded yet. Once loaded it stays, also when nothing
+    /// of it is in use.
+    pub fn load_time(&self) -> Option<Duration> {
+        library::load_time_of(&self.hash)
+    }
+
     /// What a verdict on it holds for.
     pub(super) fn key(&self, host: &str) -> FileKey {
         FileKey {
@@ -54,11 +63,13 @@ impl PluginFile {
 
 /// The file, with a verdict as far as it can be known without loading it; none if it is a library of somebody else.
 pub(super) fn look_at(candidate: &Candidate) -> Option<PluginFile> {
-    let Candidate { path, named } = candidate;
+    let Candidate { path, found_in } = candidate;
+    let named = *found_in == FoundIn::Named;
     let metadata = std::fs::metadata(path).ok();
     let mut file = PluginFile {
         path: path.clone(),
-        named: *named,
+        named,
+        found_in: found_in.clone(),
         size: metadata.as_ref().map_or(0, std::fs::Metadata::len),
         modified: metadata.and_then(|metadata| metadata.modified().ok()),
         hash: String::new(),

@@ -25,13 +25,15 @@ use pointstage_plugin_api::abi::{FactoryBox, PluginRootRef, ROOT_MODULE_LOADER_N
 use pointstage_plugin_api::manifest::Manifest;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// A library that was loaded and checked. Never unloaded.
 pub struct LoadedLibrary {
     factories: Vec<FactoryBox>,
     manifest: Manifest,
     api: String,
+    load_time: Duration,
 }
 
 impl std::fmt::Debug for LoadedLibrary {
@@ -96,18 +98,25 @@ pub fn host_api() -> String {
 ///
 /// Runs code of the plugin: a faulty one may end the process. `file` is for messages.
 pub fn load(data: &[u8], file: &Path) -> Result<Arc<LoadedLibrary>, LoadPluginError> {
-    static LOADED: OnceLock<Mutex<BTreeMap<[u8; 32], Arc<LoadedLibrary>>>> = OnceLock::new();
-    let hash = *blake3::hash(data).as_bytes();
-    let mut loaded = LOADED
-        .get_or_init(Mutex::default)
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
+    let hash = blake3::hash(data).to_hex().to_string();
+    let mut loaded = loaded();
     if let Some(library) = loaded.get(&hash) {
         return Ok(Arc::clone(library));
     }
     let library = Arc::new(load_anew(data, file)?);
     loaded.insert(hash, Arc::clone(&library));
     Ok(library)
+}
+
+/// How long loading the library of this content (hexadecimal hash) took; none if it is not loaded.
+pub(super) fn load_time_of(hash: &str) -> Option<Duration> {
+    loaded().get(hash).map(|library| library.load_time)
+}
+
+/// All libraries loaded so far, by the hexadecimal hash of their content.
+fn loaded() -> MutexGuard<'static, BTreeMap<String, Arc<LoadedLibrary>>> {
+    static LOADED: Mutex<BTreeMap<String, Arc<LoadedLibrary>>> = Mutex::new(BTreeMap::new());
+    LOADED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Name of a file for messages.
@@ -119,6 +128,7 @@ pub(super) fn name_of(file: &Path) -> String {
 }
 
 fn load_anew(data: &[u8], path: &Path) -> Result<LoadedLibrary, LoadPluginError> {
+    let began = Instant::now();
     let file = name_of(path);
     check_whole(data).map_err(|source| LoadPluginError::Broken {
         file: file.clone(),
@@ -150,6 +160,7 @@ fn load_anew(data: &[u8], path: &Path) -> Result<LoadedLibrary, LoadPluginError>
         factories,
         manifest,
         api: version.version.as_str().to_owned(),
+        load_time: began.elapsed(),
     };
     for plugin in &library.manifest.plugins {
         let known = matches!(plugin.kind.as_str(), "renderer" | "structure");

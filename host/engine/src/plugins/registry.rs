@@ -44,6 +44,17 @@ pub struct Registry {
     log: Arc<LogBook>,
 }
 
+/// A folder that cannot be searched for plugins.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: plugins cannot be looked for here: {source}; choose a folder that exists and may be read", path.display())]
+pub struct PluginFolderError {
+    /// The folder.
+    pub path: PathBuf,
+    /// What the system says.
+    #[source]
+    pub source: std::io::Error,
+}
+
 impl Registry {
     /// Looks for plugins and examines what is new or changed. Never fails: what is wrong with a file is its verdict.
     pub fn discover(options: &DiscoverOptions) -> Self {
@@ -52,7 +63,36 @@ impl Registry {
             .as_deref()
             .map(Journal::open)
             .unwrap_or_default();
-        let mut cache = VerdictCache::open(options.state_folder.as_deref());
+        let cache = VerdictCache::open(options.state_folder.as_deref());
+        Self::with_cache(options, cache, journal, culprits)
+    }
+
+    /// The same again, within the same session: what plugins log goes on in the same book.
+    #[must_use]
+    pub fn discover_again(&self, options: &DiscoverOptions) -> Self {
+        let cache = match options.state_folder.as_deref() {
+            // Another session may have learnt something.
+            Some(folder) => VerdictCache::open(Some(folder)),
+            None => self.lock_cache().clone(),
+        };
+        // The culprits were blamed when the session began; by now the user may have let them try again.
+        let journal = Arc::clone(&self.journal);
+        let registry = Self::with_cache(options, cache, journal, Vec::new());
+        let controls = self.controls.lock().unwrap_or_else(PoisonError::into_inner);
+        Self {
+            controls: Mutex::new(controls.clone()),
+            culprits: self.culprits.clone(),
+            log: self.log(),
+            ..registry
+        }
+    }
+
+    fn with_cache(
+        options: &DiscoverOptions,
+        mut cache: VerdictCache,
+        journal: Arc<Journal>,
+        culprits: Vec<Culprit>,
+    ) -> Self {
         let mut files = examine_all(options, &mut cache, &culprits);
         cache.save();
         // A copy of a library that was found before adds nothing but doubt about which one is meant.
@@ -188,6 +228,22 @@ impl Registry {
         cache.save();
     }
 
+    /// Sets a file aside: from the next [`Registry::discover`] on it is not loaded, in this session and later ones, until
+    /// [`Registry::retry`]. Whether there is such a file.
+    pub fn set_aside(&self, path: &Path) -> bool {
+        let Some(file) = self.files.iter().find(|file| file.path == path) else {
+            return false;
+        };
+        let host = host_of(&self.options);
+        let mut cache = self.lock_cache();
+        cache.set_file(
+            file.key(&host),
+            Verdict::set_aside(&library::name_of(&file.path)),
+        );
+        cache.save();
+        true
+    }
+
     fn lock_cache(&self) -> std::sync::MutexGuard<'_, VerdictCache> {
         self.cache.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -201,10 +257,7 @@ fn examine_all(
 ) -> Vec<PluginFile> {
     /// Children at once: enough to hide one that hangs.
     const AT_ONCE: usize = 4;
-    let host = match &options.examination {
-        Examination::Child(child) => host_build(&child.program),
-        Examination::ManifestOnly => String::new(),
-    };
+    let host = host_of(options);
     let found = candidates(options);
     let mut files: Vec<PluginFile> = found
         .iter()
@@ -218,6 +271,12 @@ fn examine_all(
             );
             let crashed = Verdict::new(VerdictClass::Crashed, message);
             cache.set_file(file.key(&host), crashed);
+        }
+    }
+    for file in &mut files {
+        if cache.is_set_aside(&file.hash) {
+            file.verdict = Verdict::set_aside(&library::name_of(&file.path));
+            file.from_cache = true;
         }
     }
     let Examination::Child(program) = &options.examination else {
@@ -251,6 +310,14 @@ fn examine_all(
         }
     }
     files
+}
+
+/// The build of the program that examines.
+fn host_of(options: &DiscoverOptions) -> String {
+    match &options.examination {
+        Examination::Child(child) => host_build(&child.program),
+        Examination::ManifestOnly => String::new(),
+    }
 }
 
 /// The usable plugins of one kind.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::plugins::FoundIn;
 use pointstage_plugin_api::manifest::Manifest;
 
 /// A made-up renderer in the folder `/plugins`.
@@ -66,7 +67,7 @@ fn a_renderer_of_a_refused_file_says_why() {
             br#"{"format":1,"api":"1.0","plugins":[{"kind":"renderer","id":"a.bad","version":"1"}]}"#,
         ).expect("a good manifest")),
         verdict: Verdict::new(VerdictClass::Crashed, "libbad.so: crashed (SIGSEGV)".into()),
-        ..look_at(&Candidate { path: folder.path().join("libbad.so"), named: true }).expect("named")
+        ..look_at(&Candidate { path: folder.path().join("libbad.so"), found_in: FoundIn::Named }).expect("named")
     };
     let error = find("renderer", "bad", &infos(), &[file]).expect_err("refused");
     assert_eq!(

@@ -18,6 +18,8 @@ pub enum VerdictClass {
     OddExit,
     /// The examination itself failed: nothing is known about the plugin.
     NotExamined,
+    /// The user does not want it to run.
+    SetAside,
 }
 
 /// How an examination ended, and why.
@@ -43,6 +45,12 @@ impl Verdict {
         Self::new(VerdictClass::Rejected, message.into())
     }
 
+    /// Set aside by the user; `file` is the library's name.
+    pub(super) fn set_aside(file: &str) -> Self {
+        let message = format!("{file}: set aside by you; it is not loaded until you try it again");
+        Self::new(VerdictClass::SetAside, message)
+    }
+
     pub(super) fn new(class: VerdictClass, message: String) -> Self {
         Self {
             class,
@@ -63,11 +71,14 @@ impl Verdict {
         matches!(self.class, VerdictClass::Ok | VerdictClass::NotExamined)
     }
 
-    /// Whether the plugin misbehaved so that only the user should let it run again.
+    /// Whether only the user should let it run again: it misbehaved, or was set aside by hand.
     pub fn is_quarantined(&self) -> bool {
         matches!(
             self.class,
-            VerdictClass::Crashed | VerdictClass::Hung | VerdictClass::OddExit
+            VerdictClass::Crashed
+                | VerdictClass::Hung
+                | VerdictClass::OddExit
+                | VerdictClass::SetAside
         )
     }
 
@@ -80,6 +91,7 @@ impl Verdict {
             VerdictClass::Hung => "quarantined (hang)",
             VerdictClass::OddExit => "quarantined (odd exit)",
             VerdictClass::NotExamined => "not examined",
+            VerdictClass::SetAside => "quarantined by you",
         }
     }
 }

@@ -181,7 +181,7 @@ impl Stage {
         let generation = self.generation();
         if instances(self)
             .get(&info.id)
-            .is_none_or(|instance| instance.device != generation)
+            .is_none_or(|instance| instance.device != generation || instance.hash != info.hash)
         {
             let instance = self.instance(info)?;
             instances(self).insert(info.id.clone(), instance);
@@ -250,6 +250,7 @@ impl Stage {
         Ok(Instance {
             slot: Slot::default(),
             factory,
+            hash: info.hash.clone(),
             host,
             owner,
             device: self.generation(),

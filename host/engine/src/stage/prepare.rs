@@ -195,6 +195,18 @@ impl<P: Product> Slot<P> {
         self.failed = None;
     }
 
+    /// Cancels what is under way: it has failed for its key then. Its error, if there was anything to cancel.
+    pub(super) fn cancel(&mut self) -> Option<Error> {
+        // What has just ended is kept rather than thrown away.
+        self.collect(None);
+        let running = self.running.take()?;
+        // A plugin that ignores the cancel keeps its thread; its result is no longer wanted.
+        running.call.cancel();
+        let error = Error::new(ErrorCode::CANCELLED, "its preparation was cancelled");
+        self.failed = Some((running.key, error.clone()));
+        Some(error)
+    }
+
     fn start(&mut self, inputs: Inputs) {
         if let Some(running) = self.running.take() {
             running.call.cancel();

@@ -37,6 +37,27 @@ impl Stage {
         }
     }
 
+    /// Cancels the preparation of a renderer or structure that is under way; whether there was one. It counts as failed for
+    /// the scene and settings that it was for, and others draw, until [`Stage::retry`]. A [`Notice`] tells so.
+    ///
+    /// [`Notice`]: super::Notice
+    pub fn cancel_preparation(&mut self, id: &str) -> bool {
+        let renderer = self.renderers.get_mut(id);
+        let renderer = renderer.is_some_and(Instance::cancel);
+        let structure = self.structures.get_mut(id);
+        let structure = structure.is_some_and(Instance::cancel);
+        if !renderer && !structure {
+            return false;
+        }
+        let text = if renderer {
+            "its preparation was cancelled; another renderer goes on drawing until you try it again"
+        } else {
+            "its preparation was cancelled; all surfels are drawn until you try it again"
+        };
+        self.tell(Severity::Info, id, format!("{id}: {text}"), String::new());
+        true
+    }
+
     /// Opens the device, or notes why not.
     pub(super) fn open_device(&mut self) -> Result<(), StageError> {
         match GpuDevice::open(&self.options.device) {
@@ -129,6 +150,17 @@ impl<P: Product> Instance<P> {
     pub(super) fn note_failure(&mut self, error: &PluginError) -> bool {
         self.watch = None;
         self.told.replace(error.clone()).as_ref() != Some(error)
+    }
+
+    /// Cancels the preparation under way; whether there was one. The user asked for it, so it is not told as a failure.
+    fn cancel(&mut self) -> bool {
+        let error = self.slot.cancel();
+        let is_cancelled = error.is_some();
+        if is_cancelled {
+            self.told = error;
+            self.watch = None;
+        }
+        is_cancelled
     }
 
     /// Forgets a failure, so that the next frame tries again.

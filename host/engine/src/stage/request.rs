@@ -1,8 +1,13 @@
 //! What a frame is asked for, and what it gives: the whole interface between the stage and whoever shows pictures.
 
+use super::tile::Tile;
+pub use crate::frame::pick::Pick;
+use crate::frame::pick::{PickPlanes, pick};
+use crate::frame::targets;
 pub use crate::frame::{Background, Picture, Plane, Show};
 pub use crate::gpu::PassTime;
-use pointstage_plugin_api::abi::{Interaction, Purpose};
+use glam::DMat4;
+use pointstage_plugin_api::abi::{FrameUniform, Interaction, Purpose};
 pub use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
 use pointstage_scene::{Camera, Lights, Scene};
 use std::collections::BTreeMap;
@@ -44,8 +49,10 @@ pub struct FrameRequest {
     pub camera: Camera,
     /// The lights.
     pub lights: Lights,
-    /// Size of the picture, px.
+    /// Size of the picture that is drawn, px.
     pub size_px: [u32; 2],
+    /// Where the picture lies in a larger image, if it is a tile of one.
+    pub tile: Option<Tile>,
     /// The renderer: an id, an alias, `id@version` or `id#hash`.
     pub renderer: String,
     /// The level-of-detail structure, if any.
@@ -60,6 +67,9 @@ pub struct FrameRequest {
     pub read_back: Vec<String>,
     /// What the picture shows.
     pub show: Show,
+    /// Values at the dark and the bright end of the shown target's ramp, in the legend's units; found from what is in view
+    /// if none are given. Tiles of one image, and frames that are compared, need the same.
+    pub shown_range: Option<[f32; 2]>,
     /// What lies behind.
     pub background: Background,
     /// Factor on linear colours before sRGB; 1 changes nothing.
@@ -74,6 +84,9 @@ pub struct FrameRequest {
     pub role: Role,
     /// Whether to wait for preparation.
     pub patience: Patience,
+    /// How long the renderer may take before it is asked to stop with what it has; as long as it needs if none is given. One
+    /// that cannot stop early takes the time that it needs.
+    pub time_budget: Option<Duration>,
     /// Seed of random choices.
     pub seed: u32,
 }
@@ -92,6 +105,7 @@ impl FrameRequest {
             camera,
             lights: Lights::default(),
             size_px,
+            tile: None,
             renderer: renderer.into(),
             structure: None,
             settings: SettingValues::new(),
@@ -99,6 +113,7 @@ impl FrameRequest {
             actions: Vec::new(),
             read_back: Vec::new(),
             show: Show::Colours,
+            shown_range: None,
             background: Background::Transparent,
             exposure: 1.0,
             radius_scale: 1.0,
@@ -106,6 +121,7 @@ impl FrameRequest {
             purpose: Purpose::EXPORT,
             role: Role::Auxiliary,
             patience: Patience::Wait,
+            time_budget: None,
             seed: 0,
         }
     }
@@ -130,6 +146,8 @@ pub struct FrameStats {
     pub plugin_bytes: u64,
     /// Bytes of the scene on the device.
     pub scene_bytes: u64,
+    /// Bytes of the viewport's targets on the device; 0 where the CPU drew.
+    pub target_bytes: u64,
     /// What the plugin reported, by key.
     pub reported: BTreeMap<String, f64>,
 }
@@ -176,7 +194,7 @@ pub struct FrameResult {
     pub picture: Picture,
     /// The targets that were asked for and that the renderer gives.
     pub planes: BTreeMap<String, Plane>,
-    /// Targets that this renderer gives.
+    /// Targets that the renderer that drew gives, in the host's order, then its own.
     pub available_targets: Vec<String>,
     /// The renderer that drew: the one asked for, the last good one, or the fallback.
     pub drawn_by: String,
@@ -192,4 +210,33 @@ pub struct FrameResult {
     pub notices: Vec<Notice>,
     /// What an id in the `id` target means; resolve with [`IdTable::resolve`](super::IdTable).
     pub ids: Arc<super::IdTable>,
+    /// The scene that was drawn: the one asked for, or the one before while a renderer prepares for a new one.
+    pub scene: Arc<Scene>,
+    /// Projection, sizes and lights of the frame.
+    pub uniform: FrameUniform,
+    /// Moves points from view space into the world.
+    pub world_from_view: DMat4,
+}
+
+impl FrameResult {
+    /// The surface at a pixel of the picture, or the nearest within `reach_px` of it.
+    ///
+    /// `None` if nothing is drawn there, or the planes `id` and `depth` were not read back. The id's surfel is
+    /// `self.ids.resolve(pick.id)`, in [`FrameResult::scene`].
+    ///
+    /// * `pixel`: column and row from the picture's upper left corner (of the tile, if it is one); it may lie outside.
+    pub fn pick(&self, pixel: [i64; 2], reach_px: u32) -> Option<Pick> {
+        let planes = PickPlanes {
+            size_px: self.picture.size_px,
+            id: self.planes.get(targets::ID)?,
+            depth: self.planes.get(targets::DEPTH)?,
+        };
+        pick(
+            planes,
+            pixel,
+            reach_px,
+            &self.uniform,
+            &self.world_from_view,
+        )
+    }
 }

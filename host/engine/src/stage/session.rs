@@ -1,22 +1,28 @@
 //! The stage itself: device, plugins, preparations; and which renderer draws.
 
+use super::draw::given_targets;
 use super::options::{FrameError, StageError, StageOptions};
 use super::prepare::{Ready, Slot};
 use super::request::{FrameRequest, FrameResult, Notice, Patience, Role, Severity, ViewportId};
+use super::thread::PluginHoldings;
 use super::upload::SceneOnDevice;
 use super::viewport::Viewport;
 use crate::device::GpuDevice;
 use crate::frame::compose::Composer;
+use crate::frame::targets::TargetSpec;
 use crate::gpu::{GpuService, Owner};
-use crate::plugins::{Factory, PluginInfo, Registry, Watch};
+use crate::plugins::{Factory, PluginInfo, Registry, UnknownPlugin, Watch};
 use pointstage_plugin_api::Error as PluginError;
 use pointstage_plugin_api::abi::{HostRef, RendererBox, StructureBox};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Id of the built-in renderer, which is no plugin and draws on the CPU.
 pub const FALLBACK_ID: &str = "pointstage.fallback";
+
+/// The greatest width and height of a frame without a device, px: what most devices draw.
+const LARGEST_CPU_FRAME_PX: u32 = 16_384;
 
 /// The engine's session. Synchronous; [`StageThread`](super::StageThread) runs it beside a window.
 pub struct Stage {
@@ -56,6 +62,8 @@ pub(super) struct OnDevice {
 pub(super) struct Instance<P> {
     pub slot: Slot<P>,
     pub factory: Arc<Factory>,
+    /// Content hash of its library.
+    pub hash: String,
     pub host: HostRef,
     /// Whose handles its are; none without a device.
     pub owner: Option<Owner>,
@@ -105,12 +113,6 @@ impl Stage {
         Arc::clone(&self.registry)
     }
 
-    /// Looks for plugins again. What is in use stays in use until it is asked for under a changed file.
-    pub fn rescan(&mut self) {
-        self.registry = Arc::new(Registry::discover(&self.options.plugins));
-        self.forget_plugins();
-    }
-
     /// The device's adapter; none on the CPU.
     pub fn adapter(&self) -> Option<Adapter> {
         let device = &self.gpu.as_ref()?.device;
@@ -134,16 +136,53 @@ impl Stage {
         self.gpu.as_ref().map(|gpu| &gpu.device)
     }
 
-    /// Handles and bytes that a renderer holds on the device.
-    pub fn holdings(&self, renderer_id: &str) -> (usize, u64) {
-        let owner = self
-            .renderers
-            .get(renderer_id)
-            .and_then(|instance| instance.owner);
-        match (&self.gpu, owner) {
-            (Some(gpu), Some(owner)) => (gpu.service.handle_count(owner), gpu.service.bytes(owner)),
-            _ => (0, 0),
+    /// The greatest width and height of a frame, px; larger images are drawn in tiles.
+    pub fn largest_frame_px(&self) -> u32 {
+        self.gpu.as_ref().map_or(LARGEST_CPU_FRAME_PX, |gpu| {
+            gpu.device.limits.max_texture_dimension_2d
+        })
+    }
+
+    /// The targets that a renderer gives, in the host's order, then its own.
+    pub fn given_targets(&self, renderer: &str) -> Result<Vec<TargetSpec>, UnknownPlugin> {
+        if renderer == FALLBACK_ID {
+            return Ok(given_targets(None));
         }
+        let info = self.registry.find_renderer(renderer)?;
+        Ok(given_targets(Some(&info)))
+    }
+
+    /// Handles and bytes that a renderer or structure holds on the device.
+    pub fn holdings(&self, id: &str) -> (usize, u64) {
+        let renderer = self.renderers.get(id).and_then(|instance| instance.owner);
+        let structure = self.structures.get(id).and_then(|instance| instance.owner);
+        let Some(gpu) = &self.gpu else { return (0, 0) };
+        let owners = renderer.into_iter().chain(structure);
+        owners.fold((0, 0), |(handles, bytes), owner| {
+            (
+                handles + gpu.service.handle_count(owner),
+                bytes + gpu.service.bytes(owner),
+            )
+        })
+    }
+
+    /// What every plugin in use holds on the device, by id.
+    pub fn all_holdings(&self) -> Vec<PluginHoldings> {
+        let ids: BTreeSet<&String> = self
+            .renderers
+            .keys()
+            .chain(self.structures.keys())
+            .collect();
+        ids.into_iter()
+            .map(|id| {
+                let (handle_count, bytes) = self.holdings(id);
+                PluginHoldings {
+                    id: id.clone(),
+                    handle_count,
+                    bytes,
+                }
+            })
+            .collect()
     }
 
     /// Tries a failed renderer or structure again with the next frame.
@@ -169,6 +208,9 @@ impl Stage {
         let start = Instant::now();
         self.mend_device();
         self.check_size(request.size_px)?;
+        if let Some(tile) = request.tile {
+            tile.check(request.size_px)?;
+        }
         let (structure, structure_preparing) = self.selecting(request)?;
         let (drawer, preparing) = self.choose(request)?;
         let mut result = self.draw_or_fall_back(request, &drawer, structure.as_ref())?;
@@ -272,14 +314,13 @@ impl Stage {
     }
 
     fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), FrameError> {
-        let most = self
-            .gpu
-            .as_ref()
-            .map_or(16_384, |gpu| gpu.device.limits.max_texture_dimension_2d);
+        let most = self.largest_frame_px();
         let what = match (width == 0 || height == 0, width > most || height > most) {
             (true, _) => "it needs at least one in each direction".into(),
             (_, true) => {
-                format!("this device draws at most {most} in each direction; ask for less")
+                format!(
+                    "this device draws at most {most} in each direction at once; ask for less, or draw in tiles"
+                )
             }
             _ => return Ok(()),
         };

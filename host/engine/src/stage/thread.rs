@@ -1,8 +1,12 @@
 //! The render thread: frames asked for by a window are drawn here, never on the window's own thread.
+//!
+//! Errands come first, then frames, then background work, one step of it at a time.
 
 use super::request::{FrameRequest, FrameResult, Notice};
 use super::{Adapter, FrameError, Stage, StageOptions};
 use crate::plugins::Registry;
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
@@ -15,6 +19,21 @@ pub struct StageStatus {
     pub no_device: Option<String>,
     /// Whether a frame is being drawn or waits.
     pub busy: bool,
+    /// Whether there is background work, which goes on when nothing else is to be done.
+    pub background: bool,
+    /// What plugins in use hold on the device, by id.
+    pub holdings: Vec<PluginHoldings>,
+}
+
+/// What one plugin holds on the device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PluginHoldings {
+    /// Its id.
+    pub id: String,
+    /// Buffers, textures, pipelines, …
+    pub handle_count: usize,
+    /// Their bytes.
+    pub bytes: u64,
 }
 
 /// The stage on a thread of its own. Dropping it ends the thread after the frame in hand.
@@ -31,7 +50,8 @@ struct Shared {
 #[derive(Default)]
 struct State {
     wanted: Option<FrameRequest>,
-    errands: Vec<Errand>,
+    errands: VecDeque<Errand>,
+    background: VecDeque<Background>,
     latest: Option<Arc<FrameResult>>,
     notices: Vec<Notice>,
     error: Option<String>,
@@ -41,6 +61,7 @@ struct State {
 }
 
 type Errand = Box<dyn FnOnce(&mut Stage) + Send>;
+type Background = Box<dyn FnMut(&mut Stage) -> ControlFlow<()> + Send>;
 
 impl StageThread {
     /// Opens the stage on a new thread. `repaint` is called there whenever there is something new to show.
@@ -80,7 +101,17 @@ impl StageThread {
 
     /// Does something with the stage between frames: rescan plugins, try a failed one again.
     pub fn errand(&self, errand: impl FnOnce(&mut Stage) + Send + 'static) {
-        self.shared.lock().errands.push(Box::new(errand));
+        self.shared.lock().errands.push_back(Box::new(errand));
+        self.shared.wake.notify_one();
+    }
+
+    /// Does long work in steps, each only when no frame and no errand waits: drawing an image in tiles. It goes on until a
+    /// step breaks off, or the thread ends; one such work after the other. A step should not take longer than a frame may
+    /// be late.
+    pub fn background(&self, step: impl FnMut(&mut Stage) -> ControlFlow<()> + Send + 'static) {
+        let mut state = self.shared.lock();
+        state.background.push_back(Box::new(step));
+        state.status.background = true;
         self.shared.wake.notify_one();
     }
 
@@ -124,6 +155,7 @@ impl Drop for StageThread {
 enum Work {
     Errand(Errand),
     Frame(Box<FrameRequest>),
+    Background(Background),
     Quit,
 }
 
@@ -140,18 +172,27 @@ impl Shared {
                 return repaint();
             }
         };
-        self.publish(&stage);
+        self.publish(&mut stage);
         repaint();
         loop {
             match self.next() {
                 Work::Quit => return,
                 Work::Errand(errand) => {
                     errand(&mut stage);
-                    self.publish(&stage);
+                    self.publish(&mut stage);
+                }
+                Work::Background(mut step) => {
+                    let flow = step(&mut stage);
+                    self.publish(&mut stage);
+                    let mut state = self.lock();
+                    if flow.is_continue() {
+                        state.background.push_front(step);
+                    }
+                    state.status.background = !state.background.is_empty();
                 }
                 Work::Frame(request) => {
                     let outcome = stage.frame(&request);
-                    self.publish(&stage);
+                    self.publish(&mut stage);
                     self.store(outcome);
                 }
             }
@@ -165,13 +206,16 @@ impl Shared {
             if state.quit {
                 return Work::Quit;
             }
-            if !state.errands.is_empty() {
-                return Work::Errand(state.errands.remove(0));
+            if let Some(errand) = state.errands.pop_front() {
+                return Work::Errand(errand);
             }
             if let Some(request) = state.wanted.take() {
                 return Work::Frame(Box::new(request));
             }
             state.status.busy = false;
+            if let Some(step) = state.background.pop_front() {
+                return Work::Background(step);
+            }
             state = self
                 .wake
                 .wait(state)
@@ -179,8 +223,11 @@ impl Shared {
         }
     }
 
-    fn publish(&self, stage: &Stage) {
+    fn publish(&self, stage: &mut Stage) {
+        let holdings = stage.all_holdings();
         let mut state = self.lock();
+        state.notices.append(&mut stage.notices);
+        state.status.holdings = holdings;
         state.registry = Some(stage.registry());
         state.status.adapter = stage.adapter();
         state.status.no_device = stage.no_device().map(ToOwned::to_owned);

@@ -22,24 +22,24 @@ pub(super) fn frame_uniform(request: &FrameRequest, numbers: FrameNumbers) -> Fr
     let FrameRequest {
         camera,
         lights,
-        size_px,
         radius_scale,
         interaction,
         seed,
         ..
     } = request;
-    let size = size_px.map(|size| size.max(1) as f32);
-    let clip_from_view = camera.clip_from_view(f64::from(size[0]) / f64::from(size[1]));
+    let size = |size_px: [u32; 2]| size_px.map(|length| length.max(1) as f32);
+    let image_size_px = size(request.image_size_px());
+    let clip_from_view = request.clip_from_view();
     let view_from_world = camera.view_from_world();
     let (light_count, light_uniforms) = light_uniforms(lights, &view_from_world);
     FrameUniform {
         clip_from_view: columns(&clip_from_view),
         view_from_clip: columns(&clip_from_view.inverse()),
         view_from_world: columns(&view_from_world),
-        image_size_px: size,
-        tile_origin_px: [0.0; 2],
-        tile_size_px: size,
-        pixels_per_unit: pixels_per_unit(camera, f64::from(size[1])),
+        image_size_px,
+        tile_origin_px: request.tile_origin_px().map(|corner| corner as f32),
+        tile_size_px: size(request.size_px),
+        pixels_per_unit: pixels_per_unit(camera, f64::from(image_size_px[1])),
         near: camera.near as f32,
         far: match camera.projection {
             Projection::Perspective { .. } => 0.0,

@@ -47,6 +47,8 @@ pub(super) struct ViewSlot {
     pub last: Option<LastFrame>,
     pub frame_index: u32,
     pub sample_index: u32,
+    /// Whether it ends a call that runs out of time with an error instead of with what there is.
+    pub gives_up: bool,
 }
 
 /// A structure's selector.
@@ -110,14 +112,19 @@ pub(super) fn changes_since(
         || last.structure_settings != request.structure_settings;
     let mut flags = FrameChanges::NONE;
     for (changed, flag) in [
-        (last.camera != request.camera, FrameChanges::CAMERA),
+        (
+            last.camera != request.camera || last.tile != request.tile,
+            FrameChanges::CAMERA,
+        ),
         (
             !settings.is_empty() || last.radius_scale != request.radius_scale,
             FrameChanges::SETTINGS,
         ),
         (last.size_px != request.size_px, FrameChanges::SIZE),
         (
-            selection || (request.structure.is_some() && last.camera != request.camera),
+            selection
+                || (request.structure.is_some()
+                    && (last.camera != request.camera || last.tile != request.tile)),
             FrameChanges::SELECTION,
         ),
         (

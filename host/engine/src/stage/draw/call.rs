@@ -12,13 +12,14 @@ use crate::stage::selection;
 use crate::stage::session::Stage;
 use crate::stage::viewport::{LastFrame, ViewSlot, ViewportOnDevice, changes_since};
 use abi_stable::std_types::{RSlice, RSliceMut, RStr};
-use pointstage_plugin_api::Error as PluginError;
 use pointstage_plugin_api::abi::{
     BlockRecord, ColumnRecord, FrameRecord, Handle, OutcomeRecord, RendererBox, TargetRecord,
     share_host,
 };
 use pointstage_plugin_api::settings_schema::snapshot;
+use pointstage_plugin_api::{Error as PluginError, ErrorCode};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// What the call of a view needs beside the view.
 pub(super) struct FrameParts<'a> {
@@ -59,13 +60,48 @@ pub(super) fn block_records<'a>(
     parts.collect()
 }
 
-/// Calls the view.
+/// Calls the view, within the frame's time budget. One that gives up for want of time draws again without a budget, and
+/// has none from then on: late is better than nothing.
 pub(super) fn render(
     frame: &FrameParts<'_>,
     slot: &mut ViewSlot,
     mut cpu_targets: Option<&mut CpuTargets>,
     lookup: &dyn Fn(*const u8) -> Handle,
-    place: impl Fn(usize) -> (u32, Handle),
+    place: &dyn Fn(usize) -> (u32, Handle),
+) -> Result<OutcomeRecord, FrameError> {
+    let budget = frame.planned.request.time_budget;
+    let budget = budget.filter(|_| !slot.gives_up);
+    let deadline = budget.and_then(|budget| Instant::now().checked_add(budget));
+    let call = deadline.map_or_else(CallState::new, CallState::with_deadline);
+    let outcome = call_view(
+        frame,
+        slot,
+        cpu_targets.as_deref_mut(),
+        lookup,
+        place,
+        &call,
+    );
+    match outcome {
+        Err(FrameError::Plugin { source, .. })
+            if deadline.is_some() && source.code == ErrorCode::CANCELLED =>
+        {
+            slot.gives_up = true;
+            if let Some(cpu_targets) = &mut cpu_targets {
+                cpu_targets.clear();
+            }
+            call_view(frame, slot, cpu_targets, lookup, place, &CallState::new())
+        }
+        outcome => outcome,
+    }
+}
+
+fn call_view(
+    frame: &FrameParts<'_>,
+    slot: &mut ViewSlot,
+    mut cpu_targets: Option<&mut CpuTargets>,
+    lookup: &dyn Fn(*const u8) -> Handle,
+    place: &dyn Fn(usize) -> (u32, Handle),
+    call: &CallState,
 ) -> Result<OutcomeRecord, FrameError> {
     let FrameParts {
         planned,
@@ -98,7 +134,6 @@ pub(super) fn render(
     let blocks = block_records(planned, lookup);
     let blocks: Vec<BlockRecord<'_>> = blocks.iter().map(BlockParts::record).collect();
     let draws = selection::draw_records(&planned.draws, &blocks, place);
-    let call = Arc::new(CallState::new());
     let outcome = with_scene_record(&request.scene, lookup, |scene| {
         let mut planes = cpu_targets
             .as_mut()
@@ -107,7 +142,7 @@ pub(super) fn render(
         let mut record = FrameRecord {
             uniform: planned.uniform,
             frame_group: group,
-            world_from_view: world_from_view(request),
+            world_from_view: world_from_view(request).to_cols_array(),
             size_px: request.size_px,
             scene,
             draws: RSlice::from_slice(&draws),
@@ -169,6 +204,7 @@ impl Stage {
                     last: None,
                     frame_index: 0,
                     sample_index: 0,
+                    gives_up: false,
                 }
             }
         };

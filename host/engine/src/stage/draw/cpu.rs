@@ -49,7 +49,7 @@ impl Stage {
                         };
                         let lookup = |_: *const u8| Handle::NONE;
                         let outcome =
-                            render(&frame, &mut slot, Some(&mut targets), &lookup, |_| {
+                            render(&frame, &mut slot, Some(&mut targets), &lookup, &|_| {
                                 (0, Handle::NONE)
                             })?;
                         self.viewport(request).views.insert(info.id.clone(), slot);

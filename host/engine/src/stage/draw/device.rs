@@ -102,7 +102,7 @@ impl Stage {
             thread_count,
         };
         let plugin_start = Instant::now();
-        let outcome = render(&frame, slot, None, &lookup, place)?;
+        let outcome = render(&frame, slot, None, &lookup, &place)?;
         let plugin_cpu = plugin_start.elapsed();
         let device_start = Instant::now();
         let mut replay = gpu
@@ -130,6 +130,7 @@ impl Stage {
                 _ => Vec::new(),
             },
             plugin_bytes,
+            target_bytes: on_viewport.targets.bytes(),
             ..FrameStats::default()
         };
         let ComposedFrame { composed, planes } = composed;

@@ -6,6 +6,8 @@ mod device;
 mod plan;
 mod targets;
 
+pub(super) use targets::given_targets;
+
 use super::options::FrameError;
 use super::request::{FrameRequest, FrameResult, FrameStats};
 use super::session::{Drawer, FALLBACK_ID, Selecting, Stage};
@@ -15,7 +17,7 @@ use crate::frame::{Picture, Plane};
 use crate::plugins::PluginInfo;
 use glam::DMat4;
 use pointstage_plugin_api::Error as PluginError;
-use pointstage_plugin_api::abi::{OutcomeRecord, StatisticRecord};
+use pointstage_plugin_api::abi::{FrameUniform, OutcomeRecord, StatisticRecord};
 use pointstage_plugin_api::manifest::DeviceKind;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -65,7 +67,10 @@ impl Stage {
             .sum();
         result.stats.scene_bytes = self.gpu.as_ref().map_or(0, |gpu| gpu.scene.bytes());
         add_statistics(&mut result.stats.reported, &planned.selection_statistics);
+        result.uniform = planned.uniform;
         result.ids = Arc::new(planned.ids);
+        result.scene = Arc::clone(&request.scene);
+        result.world_from_view = world_from_view(request);
         Ok(result)
     }
 
@@ -113,6 +118,9 @@ fn result_of(info: Option<&Arc<PluginInfo>>, drawn: Drawn, outcome: &OutcomeReco
         preparing: None,
         notices: Vec::new(),
         ids: Arc::default(),
+        scene: Arc::default(),
+        uniform: FrameUniform::default(),
+        world_from_view: DMat4::IDENTITY,
     }
 }
 
@@ -124,9 +132,9 @@ fn add_statistics(reported: &mut BTreeMap<String, f64>, statistics: &[StatisticR
     );
 }
 
-fn world_from_view(request: &FrameRequest) -> [f64; 16] {
-    let matrix: DMat4 = request.camera.view_from_world().inverse();
-    matrix.to_cols_array()
+/// Moves points from view space into the world.
+fn world_from_view(request: &FrameRequest) -> DMat4 {
+    request.camera.view_from_world().inverse()
 }
 
 fn plugin_error(info: &Arc<PluginInfo>, source: PluginError) -> FrameError {

@@ -141,7 +141,7 @@ impl Stage {
         let outcome = with_scene_record(&request.scene, &lookup, |scene| {
             slot.selector.select(&SelectRecord {
                 uniform: *uniform,
-                world_from_view: world_from_view(request),
+                world_from_view: world_from_view(request).to_cols_array(),
                 scene,
                 objects: RSlice::from_slice(objects),
                 settings: RSlice::from_slice(&settings),

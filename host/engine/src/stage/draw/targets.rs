@@ -73,16 +73,19 @@ pub(super) fn composition(
         Show::Colours => None,
     };
     let colours = host_target_spec(targets::COLOUR).expect("the host's own target");
-    Composition::of_frame(
-        shown.unwrap_or(colours),
-        request.background,
-        request.exposure,
-        uniform,
-    )
+    Composition {
+        ramp_range: request.shown_range,
+        ..Composition::of_frame(
+            shown.unwrap_or(colours),
+            request.background,
+            request.exposure,
+            uniform,
+        )
+    }
 }
 
 /// Targets that a renderer gives, in the host's order, then its own.
-pub(super) fn given_targets(info: Option<&Arc<PluginInfo>>) -> Vec<TargetSpec> {
+pub(in crate::stage) fn given_targets(info: Option<&Arc<PluginInfo>>) -> Vec<TargetSpec> {
     let Some(info) = info else {
         return crate::frame::fallback::TARGETS
             .iter()
