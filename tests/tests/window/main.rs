@@ -1,6 +1,7 @@
 //! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
 
 mod desk;
+mod save;
 
 use std::path::{Path, PathBuf};
 

@@ -100,10 +100,12 @@ pub(crate) fn write_layers(
     let layers: Vec<_> = layers.collect();
     let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
     let image = Image::from_layers(attributes, layers);
+    let mut file = BufWriter::new(file);
     image
         .write()
         .on_progress(on_progress)
-        .to_buffered(BufWriter::new(file))?;
+        .to_buffered(&mut file)?;
+    file.flush().map_err(exr::error::Error::from)?;
     Ok(())
 }
 

@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use pointstage_engine::stage::{Background, FrameRequest, Show};
+use pointstage_engine::stage::{Background, FrameRequest, Show, Stage};
 use pointstage_scene::{Scene, ViewRecord};
 use serde_json::{Value, json};
 
@@ -28,6 +28,23 @@ pub(crate) fn of_frame(request: &FrameRequest) -> Value {
         "radius_scale": request.radius_scale,
         "seed": request.seed,
     })
+}
+
+/// Adds to the record who drew: id, version and content hash of the renderer, and the adapter.
+pub(crate) fn add_drawer(record: &mut Value, stage: &Stage, drawn_by: &str) {
+    let Some(fields) = record.as_object_mut() else {
+        return;
+    };
+    fields.insert("renderer".to_owned(), drawn_by.into());
+    if let Ok(info) = stage.registry().find_renderer(drawn_by) {
+        fields.insert(
+            "renderer_version".to_owned(),
+            info.entry.version.clone().into(),
+        );
+        fields.insert("renderer_hash".to_owned(), info.hash.clone().into());
+    }
+    let adapter = stage.adapter().map(|adapter| adapter.name);
+    fields.insert("adapter".to_owned(), adapter.into());
 }
 
 /// The files that the objects came from, each once.

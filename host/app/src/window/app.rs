@@ -20,6 +20,7 @@ use super::palette::Palette;
 use super::picture::PictureTexture;
 use super::roles::Roles;
 use super::rows::Rows;
+use super::save_image::SaveImage;
 use super::session::Session;
 use super::stage_link::{DrawnWith, StageLink};
 use super::tasks::Tasks;
@@ -43,6 +44,9 @@ pub(crate) struct App {
     pub(super) focus_setting: Option<String>,
     pub(super) path_field: Option<PathField>,
     pub(super) dialog: Option<FileDialog>,
+    pub(super) save_image: Option<SaveImage>,
+    /// What it was like when it was last used.
+    pub(super) last_save_image: Option<SaveImage>,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
@@ -117,6 +121,8 @@ impl App {
             focus_setting: None,
             path_field: None,
             dialog: None,
+            save_image: None,
+            last_save_image: None,
             wake,
             shown_batch: None,
             next_batch: 0,
@@ -177,6 +183,11 @@ impl App {
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
+                    self.log.say(Severity::Info, text, now);
+                }
+                Finished::ImageSaved(saved, size_px) => self.tell_of_saved_image(*saved, size_px),
+                Finished::ImageCancelled(name) => {
+                    let text = format!("{name}: saving cancelled; there is no such file");
                     self.log.say(Severity::Info, text, now);
                 }
                 Finished::Failed(text) => self.log.error(text, now),

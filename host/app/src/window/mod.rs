@@ -8,6 +8,8 @@
 mod actions;
 mod app;
 #[cfg(test)]
+mod app_export_tests;
+#[cfg(test)]
 mod app_tests;
 mod apply;
 mod asking;
@@ -28,6 +30,7 @@ mod presets;
 mod progress;
 mod roles;
 mod rows;
+mod save_image;
 mod session;
 mod settings;
 mod stage_link;

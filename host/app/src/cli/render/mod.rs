@@ -33,11 +33,16 @@ Examples:
   pointstage render scan.ply --out scan.png --aov depth=depth.exr --aov normal=normal.png
   pointstage render a.ply b.ply --view orbit:8 --size 800x600 --out turn.png
   pointstage render scan.ply --view view.json --stats stats.json --out scan.png
+  pointstage render scan.ply --size 20000x20000 --out poster.png
+  pointstage render scan.ply --out scan.exr
 
 Several views (orbit:N) number their files: turn_000.png, turn_001.png, …
 EXR files hold the target's values: depth as the distance along the line of sight in scene units (infinite where
 nothing is), normals in view space, ids as whole numbers. PNG files show them as the window's legend does.
-PNG files carry the renderer, settings and view that made them, as JSON in the text chunk 'Pointstage'.")]
+--out FILE.exr writes all targets that the renderer gives, as layers of one file.
+Images beyond the device's limit are drawn in tiles and look the same.
+Images carry the renderer, settings and view that made them, as JSON: PNG in the text chunk 'Pointstage', EXR in the
+attribute of that name.")]
 pub(crate) struct RenderArguments {
     /// PLY files; each becomes an object
     #[arg(value_name = "FILE", required = true)]
@@ -48,10 +53,10 @@ pub(crate) struct RenderArguments {
     /// Structure that selects levels of detail
     #[arg(long, value_name = "ID")]
     structure: Option<String>,
-    /// Picture to write
-    #[arg(long, value_name = "FILE.png", value_parser = values::png_path)]
+    /// Image to write: the picture (.png), or all targets (.exr)
+    #[arg(long, value_name = "FILE", value_parser = values::image_path)]
     out: PathBuf,
-    /// Size of the picture in pixels [default: the view's, else 1280x720]
+    /// Size of the image in pixels, each side up to 65536 [default: the view's, else 1280x720]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
     /// Where to look from: a view FILE, or orbit:N for N views around the scene

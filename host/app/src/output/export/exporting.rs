@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use pointstage_engine::frame::targets::{COLOUR, DEPTH, PlaneFormat, TargetSpec};
 use pointstage_engine::stage::{
-    Background, FALLBACK_ID, FrameError, FrameRequest, FrameResult, FrameStats, Notice, PassTime,
+    Background, FALLBACK_ID, FrameRequest, FrameResult, FrameStats, Notice, PassTime,
     Patience, Role, Show, Stage, ViewportId,
 };
 use pointstage_scene::{Job, ViewRecord};
@@ -14,6 +14,7 @@ use super::png_rows::PngRows;
 use super::tiling::Tiling;
 use super::{Export, ExportError, Format, Saved};
 use crate::output::png_file::Alpha;
+use crate::output::record;
 use crate::output::whole_file::PartFile;
 
 /// A viewport of its own, so that nobody else's targets and views change size.
@@ -243,7 +244,7 @@ impl Exporting {
             ..
         } = &mut self.export;
         let drawn_by = id_of(stage, &frame.renderer)?;
-        add_drawer(record, stage, &drawn_by);
+        record::add_drawer(record, stage, &drawn_by);
         if let Some(fields) = record.as_object_mut() {
             fields.insert(
                 "shown_range".to_owned(),
@@ -410,23 +411,6 @@ fn check_layers(
         needed_gb: gigabytes(needed),
         most_gb: gigabytes(MOST_BYTES),
     })
-}
-
-/// Adds to the record who drew: id, version and content hash of the renderer, and the adapter.
-fn add_drawer(record: &mut serde_json::Value, stage: &Stage, drawn_by: &str) {
-    let Some(fields) = record.as_object_mut() else {
-        return;
-    };
-    fields.insert("renderer".to_owned(), drawn_by.into());
-    if let Ok(info) = stage.registry().find_renderer(drawn_by) {
-        fields.insert(
-            "renderer_version".to_owned(),
-            info.entry.version.clone().into(),
-        );
-        fields.insert("renderer_hash".to_owned(), info.hash.clone().into());
-    }
-    let adapter = stage.adapter().map(|adapter| adapter.name);
-    fields.insert("adapter".to_owned(), adapter.into());
 }
 
 /// Adds a tile's times; counts are those of the largest.

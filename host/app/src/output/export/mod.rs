@@ -47,8 +47,11 @@ pub(crate) struct Export {
 /// A tile that is drawn in one go where nobody waits for another picture, px.
 pub(crate) const LARGE_TILE_PX: u32 = 4096;
 
-/// A tile that a window can wait for, px: about as many pixels as a large screen has.
+/// A tile that a window can wait for where a graphics card draws, px: about as many pixels as a large screen has.
 pub(crate) const SMALL_TILE_PX: u32 = 2048;
+
+/// The same where the CPU draws, px.
+pub(crate) const CPU_TILE_PX: u32 = 512;
 
 /// An image that was saved.
 #[derive(Clone, Debug)]

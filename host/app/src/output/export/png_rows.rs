@@ -110,7 +110,8 @@ impl PngRows {
             }
         }
         if place.ends_band {
-            self.send(Message::Rows(std::mem::take(&mut self.band)));
+            let rows = std::mem::take(&mut self.band);
+            self.send(Message::Rows(rows));
         }
     }
 
@@ -171,8 +172,8 @@ impl Writer {
         };
         let encoding = |error: png::EncodingError| at(error.into());
         let row_bytes = size_px[0] as usize * alpha.channels();
-        let header = png_file::begin(&part.file, size_px, alpha, &record).map_err(at)?;
-        let mut stream = header.into_stream_writer().map_err(encoding)?;
+        let mut file = png_file::begin(&part.file, size_px, alpha, &record).map_err(at)?;
+        let mut stream = file.stream_writer().map_err(encoding)?;
         let mut has_ended = false;
         for message in messages {
             let Message::Rows(rows) = message else {
@@ -193,6 +194,7 @@ impl Writer {
             return Err(Cancelled.into());
         }
         stream.finish().map_err(encoding)?;
+        file.finish().map_err(encoding)?;
         Ok(part.commit()?)
     }
 }

@@ -4,7 +4,7 @@ use egui::{Key, Modifiers};
 
 use super::{Action, COMMAND_SHIFT, Menu, Place};
 use crate::window::app::App;
-use crate::window::intent::{FileIntent, OpenMode, WindowIntent};
+use crate::window::intent::{ExportIntent, FileIntent, OpenMode, WindowIntent};
 
 /// Gestures that open files.
 pub(super) const GESTURES: &[(&str, &str)] = &[
@@ -12,8 +12,11 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Shift+drop files", "add them to the scene"),
 ];
 
-pub(super) fn actions(_app: &App) -> Vec<Action> {
+pub(super) fn actions(app: &App) -> Vec<Action> {
     let open = Place::new(Menu::File, 0);
+    let save = Place::new(Menu::File, 5);
+    let nothing = app.session.scene.objects().is_empty();
+    let nothing = nothing.then(|| "there is nothing to see yet; open a file first".to_owned());
     let end = Place::new(Menu::File, 9);
     vec![
         Action::new(
@@ -42,6 +45,14 @@ pub(super) fn actions(_app: &App) -> Vec<Action> {
             open,
             FileIntent::TypePath(OpenMode::Add),
         ),
+        Action::new(
+            "file.save_image",
+            "Save image…",
+            save,
+            ExportIntent::ShowDialog,
+        )
+        .keys(Modifiers::COMMAND, Key::S)
+        .unless(nothing),
         Action::new("file.quit", "Quit", end, WindowIntent::Quit).keys(Modifiers::COMMAND, Key::Q),
     ]
 }
