@@ -47,16 +47,6 @@ impl LoadArguments {
         options
     }
 
-    /// What was asked for, for an image's record.
-    pub(crate) fn record(&self) -> serde_json::Value {
-        let estimate = match self.estimate {
-            WhenToEstimate::Auto => "auto",
-            WhenToEstimate::Always => "always",
-            WhenToEstimate::Never => "never",
-        };
-        serde_json::json!({ "estimate": estimate, "flip": self.flip })
-    }
-
     /// Loads one file and says its warnings on standard error.
     pub(crate) fn load(&self, path: &Path) -> Outcome<Loaded> {
         self.load_entry(&SceneFile::new(path.to_path_buf()))

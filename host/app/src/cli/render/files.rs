@@ -16,7 +16,6 @@ use crate::cli::Outcome;
 use crate::cli::values::{AovFile, AovFormat};
 use crate::output::export::{Export, ExportError, Exporting, Format, LARGE_TILE_PX, Saved};
 use crate::output::{exr_file, file_values, names, png_file, record, whole_file};
-use crate::session_file::{SessionFile, folder_of};
 
 /// Where a view stands among the views, and so what its files are called.
 pub(super) struct Place<'a> {
@@ -103,11 +102,7 @@ impl Place<'_> {
     /// What the picture is made from, so that it can be made again.
     fn record_of(&self, request: &FrameRequest) -> Value {
         let out = self.file(&self.arguments.out);
-        let mut record = record::of_frame(request, self.warnings, &out);
-        if let Some(fields) = record.as_object_mut() {
-            fields.insert("loading".to_owned(), self.arguments.load.record());
-        }
-        record
+        record::of_frame(request, self.warnings, &out)
     }
 
     fn export(
@@ -217,8 +212,6 @@ fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResu
             return Ok(result);
         }
     }
-}
-
 }
 
 fn stats_of(stats: &FrameStats) -> Value {
