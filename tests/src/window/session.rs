@@ -168,6 +168,32 @@ impl Window {
         Ok(())
     }
 
+    /// Drags once with `button` between two places, and does not wait.
+    ///
+    /// # Errors
+    /// When the display is gone.
+    pub fn drag(&self, from: (i16, i16), to: (i16, i16), button: u8) -> Result<()> {
+        self.point_at(from.0, from.1)?;
+        input::press(&self.connection, self.root, button)?;
+        let glided = input::glide(&self.connection, self.root, from, to);
+        input::release(&self.connection, self.root, button)?;
+        glided
+    }
+
+    /// Clicks twice with the left button.
+    ///
+    /// # Errors
+    /// When the display is gone.
+    pub fn double_click(&self, x: i16, y: i16) -> Result<()> {
+        self.click(x, y, 1)?;
+        self.click(x, y, 1)
+    }
+
+    /// The program's number in the system.
+    pub fn process_id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Turns the wheel at (x, y) by `clicks`, up when positive.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! Two renderers take turns, the rate is limited, and surfels are inspected, as a person would have it.
 
+use std::time::{Duration, Instant};
+
 use anyhow::{Context as _, Result};
 use pointstage_tests::plugins;
 use pointstage_tests::program::Program;
@@ -80,15 +82,17 @@ fn at_a_limit_of_none_a_second_pictures_come_when_they_are_asked_for() -> Result
     };
     let before = desk.wait_for_picture("the sphere", |picture| coloured(picture) > 2000)?;
     desk.window.click_on("Tab", "View")?;
+    desk.scroll_settings_to("CheckBox", "Rate limit")?;
     desk.window.click_on("CheckBox", "Rate limit")?;
-    let rate = "Rate limit, pictures a second";
-    let slider = desk.window.find("Slider", rate)?;
+    let slider = desk
+        .window
+        .find("Slider", "Rate limit, pictures a second")?;
     let ([left, ..], from) = (slider.rect, slider.middle());
     desk.window
         .drag_until(from, (left - 20, from.1), 1, |state| {
             state.session("pacing")["rate_limit"] == 0
         })?;
-    desk.window.click_on("Button", "Top")?;
+    desk.window.press_keys("y")?;
     desk.window.wait_for_state("the camera above", |state| {
         let eye = &state.session("view")["eye"];
         (eye[1].as_f64()? > 1.0).then_some(())
@@ -115,6 +119,7 @@ fn moving_pictures_of_a_slow_renderer_get_smaller_until_they_are_fast_enough() -
         state.session("drawn_by") == FALLBACK
     })?;
     desk.window.click_on("Tab", "View")?;
+    desk.scroll_settings_to("CheckBox", "Target rate")?;
     desk.window.click_on("CheckBox", "Target rate")?;
     let slider = desk
         .window
@@ -229,7 +234,7 @@ fn a_renderer_s_own_keys_work_with_alt_and_its_conflicts_are_named() -> Result<(
         let messages = state.messages();
         messages.iter().any(|text| text.contains("is wanted by"))
     })?;
-    window.press_keys("alt+b")?;
+    window.press_keys("alt+k")?;
     window.settle("the bool", |state| {
         state.session("settings")["switch"] == json!(true)
     })?;
@@ -253,7 +258,10 @@ fn nothing_is_redrawn_while_nothing_changes() -> Result<()> {
     };
     let before = passes(&mut desk)?;
     // What would be redrawn sixty times a second has every chance to.
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    let start = Instant::now();
+    desk.window.wait_for_state("two seconds", |_| {
+        (start.elapsed() > Duration::from_secs(2)).then_some(())
+    })?;
     let after = passes(&mut desk)?;
     assert!(after - before <= 2, "{} passes in 2 s", after - before);
     desk.close()

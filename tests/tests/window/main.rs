@@ -2,6 +2,7 @@
 
 mod camera;
 mod desk;
+mod guide;
 mod hand_over;
 mod panel;
 mod save;

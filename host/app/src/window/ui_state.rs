@@ -190,7 +190,10 @@ impl App {
             })),
             "preparing": preparing.map(|preparing| &preparing.id),
             "structure": session.structure,
-            "preview": session.preview,
+            "pacing": {
+                "rate_limit": session.pacing.rate_limit,
+                "target_rate": session.pacing.target_rate,
+            },
             "preset": super::presets::list(session, &session.renderer).active,
             "undo": self.history.next_undo(),
             "redo": self.history.next_redo(),
