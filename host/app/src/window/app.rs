@@ -25,6 +25,7 @@ use super::navigation::{Navigator, take_flying_keys};
 use super::pacing::Pacer;
 use super::palette::Palette;
 use super::picture::{PictureTexture, Transition};
+use super::progress::Progress;
 use super::remembered::Remembered;
 use super::roles::Roles;
 use super::rows::Rows;
@@ -55,6 +56,7 @@ pub(crate) struct App {
     pub(super) panels: Panels,
     pub(super) palette: Palette,
     pub(super) inspector: Inspector,
+    pub(super) progress: Progress,
     /// The renderer of whose keys was told.
     told_keys_of: Option<String>,
     /// The setting that the keyboard is to be put on.
@@ -143,6 +145,7 @@ impl App {
             panels: Panels::default(),
             palette: Palette::default(),
             inspector: Inspector::default(),
+            progress: Progress::default(),
             told_keys_of: None,
             focus_setting: None,
             path_field: None,

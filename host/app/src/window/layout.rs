@@ -109,7 +109,8 @@ impl App {
         {
             legend::legend_ui(ctx, over, &legend);
         }
-        progress::progress_ui(ctx, over, self.tasks.open(), out);
+        let rows = self.long_work();
+        progress::progress_ui(ctx, over, &rows, out);
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
         let renderer = self.rows.renderer(&self.session.renderer);
@@ -167,6 +168,17 @@ impl App {
             let inspector = &self.inspector;
             inspector::inspector_ui(ctx, answer.rect, inspector, facts.as_ref(), out);
         }
+    }
+
+    /// What runs or waits.
+    fn long_work(&mut self) -> Vec<progress::Row> {
+        let preparing = self
+            .shown
+            .as_ref()
+            .and_then(|shown| shown.preparing.as_ref());
+        let preparing = preparing.map(|preparing| (preparing, self.rows.title(&preparing.id)));
+        self.progress
+            .rows(self.tasks.open(), preparing, Instant::now())
     }
 
     /// What the status bar measures over some time.

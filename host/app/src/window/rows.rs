@@ -43,6 +43,13 @@ impl Rows {
         self.structures.iter().find(|row| row.id == id)
     }
 
+    /// The name for people of a renderer or structure; its id if it is not there.
+    pub(crate) fn title<'a>(&'a self, id: &'a str) -> &'a str {
+        let mut rows = self.renderers.iter().chain(&self.structures);
+        rows.find(|row| row.id == id)
+            .map_or(id, |row| row.title.as_str())
+    }
+
     /// The renderer that a new window chooses: the first that can draw.
     pub(crate) fn first_suitable(&self) -> Option<&RendererRow> {
         self.renderers.iter().find(|row| row.obstacle.is_none())

@@ -141,6 +141,18 @@ impl StageLink {
         self.thread.status().holdings
     }
 
+    /// Stops the preparation of a renderer or structure.
+    pub(crate) fn cancel_preparation(&self, id: String) {
+        self.thread.errand(move |stage| {
+            stage.cancel_preparation(&id);
+        });
+    }
+
+    /// Lets a renderer or structure that was cancelled or failed be prepared again.
+    pub(crate) fn prepare_again(&self, id: String) {
+        self.thread.errand(move |stage| stage.retry(&id));
+    }
+
     /// Destroys the graphics device as a driver's crash would; the next picture is drawn with a new one.
     pub(crate) fn lose_device(&self) {
         self.thread.errand(|stage| {

@@ -7,9 +7,23 @@ use pointstage_plugin_api::settings_schema::SettingSchema;
 
 use crate::window::app::App;
 use crate::window::intent::RendererIntent;
+use crate::window::log::Offer;
 use crate::window::presets::{self, Fitted, PresetNameError};
 
 impl App {
+    /// Stops a preparation, and offers to begin it again.
+    fn cancel_preparation(&mut self, id: String) {
+        let title = self.rows.title(&id).to_owned();
+        self.stage.cancel_preparation(id.clone());
+        self.asking.invalidate();
+        let offer = Offer {
+            label: "Prepare it again",
+            intent: RendererIntent::PrepareAgain(id).into(),
+        };
+        let text = format!("The preparation of {title} was cancelled.");
+        self.log.warn_with(text, offer, Instant::now());
+    }
+
     pub(super) fn apply_renderer(&mut self, intent: RendererIntent) {
         let renderer = self.session.renderer.clone();
         match intent {
@@ -19,6 +33,11 @@ impl App {
             }
             RendererIntent::ChoosePreview(id) => self.session.preview = id,
             RendererIntent::TogglePreview => self.roles.toggle_by_hand(),
+            RendererIntent::CancelPreparation(id) => self.cancel_preparation(id),
+            RendererIntent::PrepareAgain(id) => {
+                self.stage.prepare_again(id);
+                self.asking.invalidate();
+            }
             RendererIntent::ChooseStructure(id) => self.session.structure = id,
             RendererIntent::Set(id, value) => self.set(renderer, id, &value),
             RendererIntent::ResetSome(ids) => self.reset(&renderer, &ids),

@@ -19,6 +19,10 @@ pub(crate) enum RendererIntent {
     ResetAll,
     /// Press an action of the chosen renderer.
     Press(String),
+    /// Stop the preparation of this renderer or structure.
+    CancelPreparation(String),
+    /// Prepare this renderer or structure again, which was cancelled or failed.
+    PrepareAgain(String),
     /// Draw with this structure, or with none.
     ChooseStructure(Option<String>),
     /// Give a setting of the chosen structure a value.
