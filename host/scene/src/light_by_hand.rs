@@ -80,6 +80,7 @@ mod tests {
             kind,
             space,
             colour: Vec3::ONE,
+            enabled: true,
         }
     }
 
