@@ -31,6 +31,10 @@ struct Composition {
     image_height_px: f32,
     // Components of a pixel that are read back.
     channels: u32,
+    // Values at the ramp's dark and bright end, if `has_given_ends` is 1; else they are those in view.
+    given_ends: vec2f,
+    has_given_ends: u32,
+    padding: u32,
 }
 
 const COLOURS: u32 = 0u;
@@ -124,8 +128,11 @@ fn float_of_key(key: u32) -> f32 {
     return bitcast<f32>(select(~key, key & 0x7fffffffu, (key & 0x80000000u) != 0u));
 }
 
-/// The values at the ramp's dark and bright end, from the least and the greatest value in view.
+/// The values at the ramp's dark and bright end: those given, or from the least and the greatest value in view.
 fn ramp_ends(least: f32, greatest: f32) -> vec2f {
+    if composition.has_given_ends == 1u {
+        return composition.given_ends;
+    }
     switch composition.appearance {
         // Reversed z: the least depth is the farthest, and the nearest is brightest.
         case DEPTH: { return vec2f(distance_with(least), distance_with(greatest)); }

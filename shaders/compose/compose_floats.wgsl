@@ -17,7 +17,8 @@ fn show_normal(normal: vec3f, y: u32) -> u32 {
 fn show_on_ramp(value: f32, y: u32) -> u32 {
     let least = atomicLoad(&range_keys[0]);
     let greatest = atomicLoad(&range_keys[1]);
-    if !is_drawn(value) || least > greatest {
+    let has_ends = least <= greatest || composition.has_given_ends == 1u;
+    if !is_drawn(value) || !has_ends {
         return background_bytes(y);
     }
     let ends = ramp_ends(float_of_key(least), float_of_key(greatest));

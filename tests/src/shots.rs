@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::DVec3;
-use pointstage_engine::stage::{FrameRequest, FrameResult, Plane, SettingValue, Stage};
+use pointstage_engine::stage::{FrameRequest, FrameResult, Plane, SettingValue, Stage, Tile};
 use pointstage_scene::{Camera, Projection, Scene};
 
 use crate::data::skip;
@@ -102,6 +102,36 @@ pub fn both_paths(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 2]
         assert_eq!(taken, Some(&number), "0 is raster, 1 compute");
         result
     })
+}
+
+/// The same picture drawn in tiles of at most `tile_px`, and put together again: its colours, straight RGBA.
+///
+/// # Panics
+/// When a tile fails, or comes in another size than asked for.
+pub fn in_tiles(stage: &mut Stage, request: &FrameRequest, tile_px: [u32; 2]) -> Vec<u8> {
+    let [width, height] = request.size_px;
+    let mut whole = vec![0; width as usize * height as usize * 4];
+    for y in (0..height).step_by(tile_px[1] as usize) {
+        for x in (0..width).step_by(tile_px[0] as usize) {
+            let size_px = [tile_px[0].min(width - x), tile_px[1].min(height - y)];
+            let tile = FrameRequest {
+                size_px,
+                tile: Some(Tile {
+                    origin_px: [x, y],
+                    image_size_px: request.size_px,
+                }),
+                ..request.clone()
+            };
+            let drawn = draw(stage, &tile).picture;
+            assert_eq!(drawn.size_px, size_px);
+            let rows = drawn.rgba.chunks_exact(size_px[0] as usize * 4);
+            for (row, pixels) in rows.enumerate() {
+                let start = ((y as usize + row) * width as usize + x as usize) * 4;
+                whole[start..start + pixels.len()].copy_from_slice(pixels);
+            }
+        }
+    }
+    whole
 }
 
 /// A target of whole numbers.

@@ -98,7 +98,7 @@ fn what_render_cannot_understand_is_a_usage_error_that_names_the_nearest() -> Re
         ("--aov depth=picture.png", &["'picture.png' is named twice"]),
         ("--structure octree", &["no structure 'octree'"]),
         ("--set-structure a=1", &["--structure"]),
-        ("--size 0x5", &["each side must be from 1 to 16384"]),
+        ("--size 0x5", &["each side must be from 1 to 65536"]),
         ("--size 800", &["expected WIDTHxHEIGHT"]),
         ("--view orbit:0", &["expected orbit:N"]),
         (
@@ -162,6 +162,48 @@ fn what_cannot_be_read_or_written_is_a_failure_that_names_the_file() -> Result<(
     for (line, parts) in cases {
         shell.assert_fails(1, &format!("{line} --no-device"), parts)?;
     }
+    Ok(())
+}
+
+#[test]
+fn images_beyond_the_limit_of_one_picture_are_drawn_in_tiles() -> Result<()> {
+    let shell = Shell::new()?;
+    let line = "render sphere.ply --no-device --renderer fallback --size 17000x90 --out wide.png --json \
+                --aov depth=depth.png";
+    let Finished {
+        status,
+        stdout,
+        stderr,
+    } = shell.run(line)?;
+    assert!(status.success(), "{stderr}");
+    let written: serde_json::Value = serde_json::from_str(&stdout)?;
+    assert_eq!(written[0]["size"], serde_json::json!([17_000, 90]));
+    assert_eq!(written[0]["tiles"], 5);
+    for name in ["wide.png", "depth.png"] {
+        let image = image::open(shell.folder().join(name))?;
+        assert_eq!((image.width(), image.height()), (17_000, 90), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn an_exr_picture_has_every_target_as_a_layer_unless_memory_forbids() -> Result<()> {
+    let shell = Shell::new()?;
+    let line = "render sphere.ply --no-device --renderer fallback --size 64x48 --out all.exr";
+    let Finished { status, stderr, .. } = shell.run(line)?;
+    assert!(status.success(), "{stderr}");
+    let file = exr::meta::MetaData::read_from_file(shell.folder().join("all.exr"), true)?;
+    let names = file.headers.iter().filter_map(|header| {
+        let name = header.own_attributes.layer_name.as_ref()?;
+        Some(name.to_string())
+    });
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    assert_eq!(names, ["colour", "depth", "id", "kind", "lod", "normal"]);
+    let huge =
+        "render sphere.ply --no-device --renderer fallback --size 60000x60000 --out huge.exr";
+    shell.assert_fails(1, huge, &["6 layers needs", "at most 4.0 GB", "save PNG"])?;
+    assert!(!shell.folder().join("huge.exr").exists());
     Ok(())
 }
 

@@ -202,6 +202,43 @@ fn an_endless_preparation_that_is_waited_for_ends_at_the_limit() -> Result<()> {
 }
 
 #[test]
+fn a_time_budget_ends_a_long_frame_with_what_there_is() -> Result<()> {
+    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let request = FrameRequest {
+        time_budget: Some(Duration::from_millis(50)),
+        patience: Patience::Wait,
+        ..request("slow-render")
+    };
+    let start = Instant::now();
+    let result = stage.frame(&request)?;
+    assert_eq!(result.drawn_by, id("slow-render"));
+    assert!(result.progress < 1.0, "it says that there is more to come");
+    // Not the minute that it would take: generous, since test machines are slow.
+    assert!(
+        start.elapsed() < Duration::from_secs(20),
+        "{:?}",
+        start.elapsed()
+    );
+    Ok(())
+}
+
+#[test]
+fn a_renderer_that_gives_up_at_its_time_budget_draws_late_and_keeps_its_place() -> Result<()> {
+    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let request = FrameRequest {
+        time_budget: Some(Duration::from_millis(50)),
+        ..request("giving-up-render")
+    };
+    for frame in ["first", "second"] {
+        let (result, notices) = settled(&mut stage, &request)?;
+        assert_eq!(result.drawn_by, id("giving-up-render"), "{frame}");
+        assert_eq!(result.progress, 1.0, "{frame}");
+        assert!(notices.is_empty(), "{notices:?}");
+    }
+    Ok(())
+}
+
+#[test]
 fn nan_in_every_target_still_makes_a_picture() -> Result<()> {
     let mut stage = stage(vec![plugins::misbehaving()?], false)?;
     let (result, _) = settled(&mut stage, &request("nan-targets"))?;

@@ -4,6 +4,7 @@ mod camera;
 mod desk;
 mod hand_over;
 mod panel;
+mod save;
 mod session;
 mod walk;
 

@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use pointstage_engine::stage::Background;
+use pointstage_engine::stage::{Background, LARGEST_IMAGE_PX};
 
-/// The longest side of a picture, px: what a texture of most devices holds.
-const MOST_PX: u32 = 16_384;
+use crate::output::export::Format;
 
 /// `WxH` in pixels.
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
@@ -14,8 +13,16 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
         Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
     });
     match parsed {
-        Some(sides) if sides.iter().all(|side| (1..=MOST_PX).contains(side)) => Ok(sides),
-        Some(_) => Err(format!("each side must be from 1 to {MOST_PX} pixels")),
+        Some(sides)
+            if sides
+                .iter()
+                .all(|side| (1..=LARGEST_IMAGE_PX).contains(side)) =>
+        {
+            Ok(sides)
+        }
+        Some(_) => Err(format!(
+            "each side must be from 1 to {LARGEST_IMAGE_PX} pixels"
+        )),
         None => Err("expected WIDTHxHEIGHT in pixels, such as 1280x720".to_owned()),
     }
 }
@@ -69,16 +76,15 @@ pub(crate) fn aov(text: &str) -> Result<AovFile, String> {
     Ok(AovFile { key, path, format })
 }
 
-/// A picture's file.
-pub(crate) fn png_path(text: &str) -> Result<PathBuf, String> {
+/// An image's file.
+pub(crate) fn image_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    let is_png = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if is_png {
-        Ok(path)
-    } else {
-        Err("pictures are written as PNG: the name must end in .png".to_owned())
+    match Format::of(&path) {
+        Some(_) => Ok(path),
+        None => Err(
+            "the name must end in .png (the picture) or .exr (the values of all targets)"
+                .to_owned(),
+        ),
     }
 }
 
@@ -120,22 +126,10 @@ fn hex_colour(text: &str) -> Option<[f32; 3]> {
     Some([channel(0)?, channel(2)?, channel(4)?])
 }
 
-/// A background as the command line writes it.
-pub(crate) fn background_text(background: Background) -> String {
-    let hex = |colour: [f32; 3]| {
-        let [r, g, b] = colour.map(|channel| (channel * 255.0).round() as u8);
-        format!("#{r:02x}{g:02x}{b:02x}")
-    };
-    match background {
-        Background::Transparent => "transparent".to_owned(),
-        Background::Solid(colour) => hex(colour),
-        Background::Gradient(top, bottom) => format!("{},{}", hex(top), hex(bottom)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::record::background_text;
 
     #[test]
     fn sizes_are_two_sides_in_range() {

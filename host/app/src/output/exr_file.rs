@@ -1,10 +1,11 @@
 //! Targets as OpenEXR: floats stay 32-bit floats, ids stay 32-bit whole numbers.
 
-use std::io::Cursor;
+use std::io::{BufWriter, Cursor, Seek, Write};
 
+use exr::meta::header::ImageAttributes;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    WritableImage as _,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer,
+    LayerAttributes, Text, WritableImage as _,
 };
 use pointstage_engine::stage::Plane;
 
@@ -26,51 +27,101 @@ pub(crate) enum ExrError {
     Encode(#[from] exr::error::Error),
 }
 
+/// The values of a target, channel by channel.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LayerSamples {
+    /// The target, and the layer's name.
+    pub(crate) key: String,
+    /// One for each of [`channel_names`], rows from the top.
+    pub(crate) channels: Vec<FlatSamples>,
+}
+
 /// The bytes of an EXR file with one layer named `key`, losslessly compressed.
 ///
 /// Channels: `R G B A` for four floats a pixel, `X Y Z` for three, `Z` for depth, else the key.
-pub(crate) fn encode(
-    key: &str,
-    [width, height]: [u32; 2],
-    plane: &Plane,
-) -> Result<Vec<u8>, ExrError> {
-    let pixel_count = width as usize * height as usize;
-    let (names, samples) = match plane {
+pub(crate) fn encode(key: &str, size_px: [u32; 2], plane: &Plane) -> Result<Vec<u8>, ExrError> {
+    let [width, height] = size_px.map(|side| side as usize);
+    let pixel_count = width * height;
+    let channels = match plane {
         Plane::Float { channels, values } => {
-            let names = channel_names(key, *channels as usize);
-            check_length(key, pixel_count * names.len(), values.len())?;
-            let samples: Vec<FlatSamples> = (0..names.len())
-                .map(|channel| {
-                    let of_channel = values.iter().skip(channel).step_by(names.len());
-                    FlatSamples::F32(of_channel.copied().collect())
-                })
-                .collect();
-            (names, samples)
+            let count = *channels as usize;
+            check_length(key, pixel_count * count, values.len())?;
+            let of_channel = |channel| values.iter().skip(channel).step_by(count).copied();
+            (0..count)
+                .map(|channel| FlatSamples::F32(of_channel(channel).collect()))
+                .collect()
         }
         Plane::Uint(values) => {
             check_length(key, pixel_count, values.len())?;
-            (
-                vec![key.to_owned()],
-                vec![FlatSamples::U32(values.to_vec())],
-            )
+            vec![FlatSamples::U32(values.to_vec())]
         }
     };
-    let channels = names
-        .iter()
-        .zip(samples)
-        .map(|(name, samples)| AnyChannel::new(name.as_str(), samples))
-        .collect();
-    let layer = Layer::new(
-        (width as usize, height as usize),
-        LayerAttributes::named(key),
-        Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels),
-    );
+    let layer = LayerSamples {
+        key: key.to_owned(),
+        channels,
+    };
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer).write().to_buffered(&mut bytes)?;
+    write_layers(&mut bytes, size_px, vec![layer], None, |_| ())?;
     Ok(bytes.into_inner())
 }
 
+/// Writes an EXR file with a layer for each target, losslessly compressed; `on_progress` hears of 0..1.
+///
+/// `record` goes into the attribute `Pointstage` of the first layer: what the picture was made from, as JSON in ASCII.
+pub(crate) fn write_layers(
+    file: impl Write + Seek,
+    [width, height]: [u32; 2],
+    layers: Vec<LayerSamples>,
+    record: Option<&serde_json::Value>,
+    on_progress: impl FnMut(f64),
+) -> Result<(), ExrError> {
+    let size = (width as usize, height as usize);
+    let mut record = record.map(ascii_json);
+    let layers = layers.into_iter().map(|LayerSamples { key, channels }| {
+        let names = channel_names(&key, channels.len());
+        let channels = names
+            .iter()
+            .zip(channels)
+            .map(|(name, samples)| AnyChannel::new(name.as_str(), samples))
+            .collect();
+        let mut attributes = LayerAttributes::named(key.as_str());
+        attributes.software_name = Some(Text::from(concat!(
+            "Pointstage ",
+            env!("CARGO_PKG_VERSION")
+        )));
+        // Escaped, so that it has a form in EXR's alphabet.
+        if let Some(text) = record.take().and_then(Text::new_or_none) {
+            let value = AttributeValue::Text(text);
+            attributes.other.insert(Text::from("Pointstage"), value);
+        }
+        let channels = AnyChannels::sort(channels);
+        Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels)
+    });
+    let layers: Vec<_> = layers.collect();
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+    let image = Image::from_layers(attributes, layers);
+    let mut file = BufWriter::new(file);
+    image
+        .write()
+        .on_progress(on_progress)
+        .to_buffered(&mut file)?;
+    file.flush().map_err(exr::error::Error::from)?;
+    Ok(())
+}
+
+/// JSON with everything beyond ASCII escaped.
+fn ascii_json(value: &serde_json::Value) -> String {
+    let mut text = String::new();
+    for unit in value.to_string().encode_utf16() {
+        match char::from_u32(unit.into()).filter(char::is_ascii) {
+            Some(letter) => text.push(letter),
+            None => text.push_str(&format!("\\u{unit:04x}")),
+        }
+    }
+    text
+}
+
+/// Names of a target's channels.
 fn channel_names(key: &str, count: usize) -> Vec<String> {
     let fixed: &[&str] = match (key, count) {
         ("depth", 1) => &["Z"],
@@ -149,6 +200,33 @@ mod tests {
             .map(|(name, _)| name)
             .collect();
         assert_eq!(names, ["A", "B", "G", "R"]);
+    }
+
+    #[test]
+    fn the_record_comes_back_whatever_letters_it_has() {
+        let layer = |key: &str| LayerSamples {
+            key: key.to_owned(),
+            channels: vec![FlatSamples::U32(vec![7])],
+        };
+        let record = serde_json::json!({"file": "Büste 🗿.ply"});
+        let mut bytes = Cursor::new(Vec::new());
+        let layers = vec![layer("id"), layer("kind")];
+        write_layers(&mut bytes, [1, 1], layers, Some(&record), |_| ()).expect("written");
+        let image = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes.into_inner()))
+            .expect("an EXR file");
+        assert_eq!(image.layer_data.len(), 2);
+        let value = &image.layer_data[0].attributes.other[&Text::from("Pointstage")];
+        let AttributeValue::Text(text) = value else {
+            panic!("{value:?} is no text")
+        };
+        let read: serde_json::Value = serde_json::from_str(&text.to_string()).expect("JSON");
+        assert_eq!(read, record);
     }
 
     #[test]

@@ -1,35 +1,76 @@
 //! PNG with the settings in its metadata, so that a picture can be made again.
 
 use std::borrow::Cow;
+use std::io::Write;
 
 /// Why a picture has no PNG form.
 #[derive(Debug, thiserror::Error)]
 #[error("the picture cannot be encoded as PNG: {0}")]
 pub(crate) struct PngError(#[from] png::EncodingError);
 
+impl PngError {
+    /// What the system said, if it is not about PNG at all.
+    pub(crate) fn into_io(self) -> Result<std::io::Error, Self> {
+        match self.0 {
+            png::EncodingError::IoError(error) => Ok(error),
+            other => Err(Self(other)),
+        }
+    }
+}
+
+/// Whether pixels have a fourth byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Alpha {
+    /// Straight alpha.
+    Straight,
+    /// All pixels are opaque.
+    None,
+}
+
+impl Alpha {
+    /// Bytes of a pixel in the file.
+    pub(crate) fn channels(self) -> usize {
+        match self {
+            Self::Straight => 4,
+            Self::None => 3,
+        }
+    }
+}
+
 /// The bytes of a PNG file.
 ///
 /// `rgba` is 4 bytes a pixel, sRGB with straight alpha, rows from the top; a picture without transparency is stored as RGB.
 /// `record` goes into the text chunk `Pointstage` (UTF-8, JSON): what the picture was made from.
 pub(crate) fn encode(
-    [width, height]: [u32; 2],
+    size_px: [u32; 2],
     rgba: &[u8],
     record: &serde_json::Value,
 ) -> Result<Vec<u8>, PngError> {
     let is_opaque = rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
-    let pixels: Cow<'_, [u8]> = if is_opaque {
-        rgba.chunks_exact(4)
-            .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
-            .collect()
+    let (alpha, pixels): (_, Cow<'_, [u8]>) = if is_opaque {
+        let rgb = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied();
+        (Alpha::None, rgb.collect())
     } else {
-        rgba.into()
+        (Alpha::Straight, rgba.into())
     };
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(if is_opaque {
-        png::ColorType::Rgb
-    } else {
-        png::ColorType::Rgba
+    let mut writer = begin(&mut bytes, size_px, alpha, record)?;
+    writer.write_image_data(&pixels)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// Writes all that comes before the pixels.
+pub(crate) fn begin<W: Write>(
+    file: W,
+    [width, height]: [u32; 2],
+    alpha: Alpha,
+    record: &serde_json::Value,
+) -> Result<png::Writer<W>, PngError> {
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(match alpha {
+        Alpha::Straight => png::ColorType::Rgba,
+        Alpha::None => png::ColorType::Rgb,
     });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
@@ -38,10 +79,7 @@ pub(crate) fn encode(
         format!("Pointstage {}", env!("CARGO_PKG_VERSION")),
     )?;
     encoder.add_itxt_chunk("Pointstage".to_owned(), record.to_string())?;
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels)?;
-    writer.finish()?;
-    Ok(bytes)
+    Ok(encoder.write_header()?)
 }
 
 #[cfg(test)]

@@ -28,6 +28,7 @@ use super::picture::{PictureTexture, Transition};
 use super::remembered::Remembered;
 use super::roles::Roles;
 use super::rows::Rows;
+use super::save_image::SaveImage;
 use super::session::Session;
 use super::stage_link::{DrawnWith, StageLink};
 use super::tasks::Tasks;
@@ -62,6 +63,9 @@ pub(crate) struct App {
     pub(super) dialog: Option<FileDialog>,
     pub(super) folder_dialog: Option<FolderDialog>,
     pub(super) history: History,
+    pub(super) save_image: Option<SaveImage>,
+    /// What it was like when it was last used.
+    pub(super) last_save_image: Option<SaveImage>,
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
@@ -145,6 +149,8 @@ impl App {
             dialog: None,
             folder_dialog: None,
             history: History::default(),
+            save_image: None,
+            last_save_image: None,
             wake,
             shown_batch: None,
             next_batch: 0,
@@ -221,6 +227,11 @@ impl App {
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
+                    self.log.say(Severity::Info, text, now);
+                }
+                Finished::ImageSaved(saved, size_px) => self.tell_of_saved_image(*saved, size_px),
+                Finished::ImageCancelled(name) => {
+                    let text = format!("{name}: saving cancelled; there is no such file");
                     self.log.say(Severity::Info, text, now);
                 }
                 Finished::Failed(text) => self.log.error(text, now),

@@ -16,7 +16,7 @@ use super::stage_link::StageLink;
 const LIMIT: Duration = Duration::from_mins(1);
 
 /// Four surfels with normals, facing +z.
-const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n";
+pub(super) const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n";
 
 /// An empty window.
 pub(super) fn window() -> Harness<'static, App> {
@@ -39,7 +39,10 @@ pub(super) fn window() -> Harness<'static, App> {
 }
 
 /// Steps until `holds`.
-fn wait_until(harness: &mut Harness<'static, App>, holds: impl Fn(&Harness<'static, App>) -> bool) {
+pub(super) fn wait_until(
+    harness: &mut Harness<'static, App>,
+    holds: impl Fn(&Harness<'static, App>) -> bool,
+) {
     let start = Instant::now();
     while !holds(harness) {
         assert!(
@@ -52,7 +55,7 @@ fn wait_until(harness: &mut Harness<'static, App>, holds: impl Fn(&Harness<'stat
     }
 }
 
-fn type_path(harness: &mut Harness<'static, App>, path: &std::path::Path) {
+pub(super) fn type_path(harness: &mut Harness<'static, App>, path: &std::path::Path) {
     harness.get_by_label("Type a path…").click();
     harness.run_steps(3);
     let field = harness.get_by_role_and_label(Role::TextInput, "Path of a PLY file:");

@@ -221,7 +221,7 @@ impl PathField {
 
 /// The path that a typed text means: without surrounding space or quotes, `~` for the home folder, `file://` of a pasted
 /// address taken off.
-pub(super) fn typed_path(text: &str) -> PathBuf {
+pub(crate) fn typed_path(text: &str) -> PathBuf {
     let text = text.trim().trim_matches(['"', '\'']);
     let text = text.strip_prefix("file://").unwrap_or(text);
     if let Some(rest) = text.strip_prefix("~/")

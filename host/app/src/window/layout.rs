@@ -13,6 +13,7 @@ use super::inspector::{self, pixel_at};
 use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
+use super::save_image::{SaveFacts, SaveImage};
 use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
@@ -118,6 +119,20 @@ impl App {
         }
         if self.panels.about {
             help::about_ui(ctx, &self.stage.facts(), out);
+        }
+        if let Some(dialog) = &mut self.save_image {
+            let facts = SaveFacts {
+                view_px: self
+                    .viewport
+                    .map_or([1280, 720], |viewport| viewport.size_px),
+                targets: self
+                    .shown
+                    .as_ref()
+                    .map_or(&[], |shown| shown.available_targets.as_slice()),
+            };
+            if !dialog.ui(ctx, &facts, out) {
+                self.last_save_image = self.save_image.take().map(SaveImage::for_next_time);
+            }
         }
         if let Some(field) = &mut self.path_field
             && !field.ui(ctx, out)

@@ -12,6 +12,7 @@ use super::log::{Log, Offer};
 use super::session::Session;
 use super::session_link::OpenedSession;
 use super::tasks::guarded;
+use crate::output::export::Saved;
 
 /// Numbers the acts of opening, so that the files of one act replace the scene once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,10 @@ pub(crate) enum Finished {
     Session(Box<OpenedSession>),
     /// Stopped by the user.
     Cancelled(String),
+    /// An image in a file, and its size, px.
+    ImageSaved(Box<Saved>, [u32; 2]),
+    /// An image that the user does not want any more; the file's name.
+    ImageCancelled(String),
     /// An error, for the user.
     Failed(String),
 }

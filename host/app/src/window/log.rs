@@ -101,7 +101,18 @@ impl Log {
 
     /// Adds a warning of the program itself, with what it can do about it.
     pub(crate) fn warn_with(&mut self, text: impl Into<String>, offer: Offer, now: Instant) {
-        self.add_with(own_notice(Severity::Warning, text.into()), Some(offer), now);
+        self.say_with(Severity::Warning, text, offer, now);
+    }
+
+    /// Adds a message of the window itself with something to do about it.
+    pub(crate) fn say_with(
+        &mut self,
+        severity: Severity,
+        text: impl Into<String>,
+        offer: Offer,
+        now: Instant,
+    ) {
+        self.add_with(own_notice(severity, text.into()), Some(offer), now);
     }
 
     /// All messages, oldest first.

@@ -8,6 +8,8 @@
 mod actions;
 mod app;
 #[cfg(test)]
+mod app_export_tests;
+#[cfg(test)]
 mod app_tests;
 mod apply;
 mod asking;
@@ -47,6 +49,7 @@ mod remembered;
 mod remembered_tests;
 mod roles;
 mod rows;
+mod save_image;
 mod session;
 mod session_link;
 mod settings;

@@ -10,7 +10,6 @@ use super::app::App;
 use super::history::History;
 use super::intent::OpenMode;
 use super::loading::{Arrival, Batch, Finished, Place, arrive};
-use super::navigation::Navigator;
 use super::remembered::{stored_views, views_to_store};
 use super::tasks::guarded;
 use crate::session_file::{Renderers, SceneFile, SessionFile};
@@ -117,9 +116,10 @@ impl App {
             views,
             ..
         } = file;
-        let session = &mut self.session;
         // A view that the camera flies to must not carry it away from the session's.
-        self.navigator = Navigator::default();
+        let around = self.surroundings();
+        self.navigator.stop(&mut self.session.camera, &around);
+        let session = &mut self.session;
         session.camera = view.camera();
         session.near = NearClipping::of(&session.camera);
         session.view = look.into();

@@ -1,5 +1,6 @@
 //! The window's side of the stage: requests go out, pictures, notices and lists come back. Nothing here waits.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -61,6 +62,14 @@ impl StageLink {
     /// Asks for a picture; one that waits is replaced.
     pub(crate) fn submit(&self, request: FrameRequest) {
         self.thread.submit(request);
+    }
+
+    /// Does long work step by step when no picture waits.
+    pub(crate) fn background(
+        &self,
+        step: impl FnMut(&mut Stage) -> ControlFlow<()> + Send + 'static,
+    ) {
+        self.thread.background(step);
     }
 
     /// The newest picture, once.
@@ -148,6 +157,12 @@ impl StageLink {
             adapter: status.adapter,
             no_device: status.no_device,
         }
+    }
+
+    /// Whether the CPU draws, by a device's driver or without one.
+    pub(crate) fn draws_on_cpu(&self) -> bool {
+        let adapter = self.thread.status().adapter;
+        adapter.is_none_or(|adapter| adapter.is_software)
     }
 
     /// What draws, in a few words for the status bar.

@@ -1,4 +1,4 @@
-//! Long work, one after the other on a worker thread, each with progress and cancel.
+//! Long work, each with progress and cancel: one after the other on a worker thread, or wherever else it is done.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -27,7 +27,42 @@ pub(crate) struct Tasks<T> {
     next: u64,
     work: Option<Sender<Assignment<T>>>,
     results: Receiver<(TaskId, T)>,
+    /// For tasks that run elsewhere.
+    answer: Sender<(TaskId, T)>,
+    wake: Arc<dyn Fn() + Send + Sync>,
     worker: Option<JoinHandle<()>>,
+}
+
+/// A task that runs elsewhere than on the worker. Dropping it unfinished gives the result that it was made with.
+pub(crate) struct Elsewhere<T> {
+    id: TaskId,
+    job: Job,
+    answer: Sender<(TaskId, T)>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+    /// None once it is finished.
+    lost: Option<T>,
+}
+
+impl<T> Elsewhere<T> {
+    /// Progress, stage and cancel.
+    pub(crate) fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// Ends it with this result.
+    pub(crate) fn finish(mut self, result: T) {
+        self.lost = Some(result);
+    }
+}
+
+impl<T> Drop for Elsewhere<T> {
+    fn drop(&mut self) {
+        if let Some(result) = self.lost.take() {
+            // The window is gone when nobody listens.
+            let _ = self.answer.send((self.id, result));
+            (self.wake)();
+        }
+    }
 }
 
 type Work<T> = Box<dyn FnOnce(&Job) -> T + Send>;
@@ -43,15 +78,16 @@ impl<T: Send + 'static> Tasks<T> {
     pub(crate) fn new(wake: Arc<dyn Fn() + Send + Sync>) -> std::io::Result<Self> {
         let (work, assignments) = channel::<Assignment<T>>();
         let (answer, results) = channel();
+        let (for_worker, wake_worker) = (answer.clone(), wake.clone());
         let worker = std::thread::Builder::new()
             .name("pointstage-tasks".to_owned())
             .spawn(move || {
                 for Assignment { id, job, work } in assignments {
                     // The window is gone when nobody listens; the queue is gone then too.
-                    if answer.send((id, work(&job))).is_err() {
+                    if for_worker.send((id, work(&job))).is_err() {
                         return;
                     }
-                    wake();
+                    wake_worker();
                 }
             })?;
         Ok(Self {
@@ -59,6 +95,8 @@ impl<T: Send + 'static> Tasks<T> {
             next: 0,
             work: Some(work),
             results,
+            answer,
+            wake,
             worker: Some(worker),
         })
     }
@@ -69,14 +107,7 @@ impl<T: Send + 'static> Tasks<T> {
         title: impl Into<String>,
         work: impl FnOnce(&Job) -> T + Send + 'static,
     ) -> TaskId {
-        let id = TaskId(self.next);
-        self.next += 1;
-        let job = Job::new();
-        self.open.push(TaskState {
-            id,
-            title: title.into(),
-            job: job.clone(),
-        });
+        let (id, job) = self.open_new(title.into());
         let assignment = Assignment {
             id,
             job,
@@ -89,7 +120,31 @@ impl<T: Send + 'static> Tasks<T> {
         id
     }
 
-    /// Tasks that run or wait, in order; the first one runs.
+    /// Shows work that is done elsewhere, until it is finished; `lost` is its result if it never is.
+    pub(crate) fn push_elsewhere(&mut self, title: impl Into<String>, lost: T) -> Elsewhere<T> {
+        let (id, job) = self.open_new(title.into());
+        Elsewhere {
+            id,
+            job,
+            answer: self.answer.clone(),
+            wake: self.wake.clone(),
+            lost: Some(lost),
+        }
+    }
+
+    fn open_new(&mut self, title: String) -> (TaskId, Job) {
+        let id = TaskId(self.next);
+        self.next += 1;
+        let job = Job::new();
+        self.open.push(TaskState {
+            id,
+            title,
+            job: job.clone(),
+        });
+        (id, job)
+    }
+
+    /// Tasks that run or wait, in order. The first of the worker's runs; those elsewhere go their own way.
     pub(crate) fn open(&self) -> &[TaskState] {
         &self.open
     }
@@ -177,6 +232,21 @@ mod tests {
         tasks.cancel(id);
         ends.recv().expect("the worker lives");
         assert_eq!(tasks.take_finished(), ["stopped"]);
+    }
+
+    #[test]
+    fn work_elsewhere_is_shown_until_it_is_finished_or_lost() {
+        let (mut tasks, _ends) = tasks();
+        let first = tasks.push_elsewhere("first", "lost");
+        let second = tasks.push_elsewhere("second", "lost");
+        first.job().set_progress(0.5);
+        assert_eq!(tasks.open()[0].job.progress(), 0.5);
+        tasks.cancel(tasks.open()[1].id);
+        assert!(second.job().is_cancelled());
+        first.finish("done");
+        drop(second);
+        assert_eq!(tasks.take_finished(), ["done", "lost"]);
+        assert!(tasks.open().is_empty());
     }
 
     #[test]

@@ -28,6 +28,10 @@ pub const SLOW_PREPARE: usize = 11;
 pub const NAN_TARGETS: usize = 12;
 /// Ends the process while it draws.
 pub const ABORT_RENDER: usize = 13;
+/// Draws for a minute, and stops with what it has when it should.
+pub const SLOW_RENDER: usize = 14;
+/// Draws for half a second, and stops with an error when it should.
+pub const GIVING_UP_RENDER: usize = 15;
 
 /// The renderer with fault `FAULT`.
 pub struct Faulty<const FAULT: usize>;
@@ -79,6 +83,19 @@ impl<const FAULT: usize> View<Faulty<FAULT>> for FaultyView<FAULT> {
             PANIC_RENDER => panic!("asked to panic in render"),
             ERROR_RENDER => return Err("asked to fail in render".into()),
             ABORT_RENDER => std::process::abort(),
+            SLOW_RENDER | GIVING_UP_RENDER => {
+                let steps = if FAULT == SLOW_RENDER { 6_000 } else { 50 };
+                for _ in 0..steps {
+                    std::thread::sleep(Duration::from_millis(10));
+                    if !frame.should_stop() {
+                        continue;
+                    }
+                    if FAULT == GIVING_UP_RENDER {
+                        return Err(Error::cancelled());
+                    }
+                    return Ok(Outcome::Refining(0.5));
+                }
+            }
             _ => {}
         }
         let bad = FAULT == NAN_TARGETS;
@@ -110,7 +127,7 @@ pointstage_plugin_api::export! { "plugin.json", renderers: [
     Faulty<GOOD>, Faulty<PANIC_PREPARE>, Faulty<PANIC_PREPARE_NEXT>, Faulty<PANIC_VIEW>, Faulty<PANIC_RENDER>,
     Faulty<PANIC_DROP_PREPARED>, Faulty<PANIC_DROP_VIEW>, Faulty<ERROR_PREPARE>, Faulty<ERROR_VIEW>,
     Faulty<ERROR_RENDER>, Faulty<ENDLESS_PREPARE>, Faulty<SLOW_PREPARE>, Faulty<NAN_TARGETS>,
-    Faulty<ABORT_RENDER>,
+    Faulty<ABORT_RENDER>, Faulty<SLOW_RENDER>, Faulty<GIVING_UP_RENDER>,
     gpu::BadWgsl, gpu::Recorded<{ gpu::DRAW_OUTSIDE_PASS }>, gpu::Recorded<{ gpu::NO_PIPELINE }>,
     gpu::Recorded<{ gpu::STALE_HANDLE }>, gpu::Recorded<{ gpu::UNENDED_PASS }>, gpu::Greedy, gpu::Huge,
 ], structures: [

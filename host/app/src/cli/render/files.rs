@@ -5,18 +5,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use pointstage_engine::stage::{
-    FrameError, FrameRequest, FrameResult, FrameStats, Severity, Show, Stage,
+    FrameError, FrameRequest, FrameResult, FrameStats, Notice, Severity, Show, Stage,
 };
-use pointstage_scene::{ObjectId, ViewRecord, Warnings};
+use pointstage_scene::{Job, ObjectId, ViewRecord, Warnings};
 use serde_json::{Value, json};
 
 use super::RenderArguments;
 use super::choice::no_target;
 use crate::cli::Outcome;
-use crate::cli::values::{self, AovFile, AovFormat};
-use crate::output::{exr_file, file_values, names, png_file, whole_file};
-use crate::session_file::{SessionFile, folder_of};
-use crate::toml_form::show_key;
+use crate::cli::values::{AovFile, AovFormat};
+use crate::output::export::{Export, ExportError, Exporting, Format, LARGE_TILE_PX, Saved};
+use crate::output::{exr_file, file_values, names, png_file, record, whole_file};
 
 /// Where a view stands among the views, and so what its files are called.
 pub(super) struct Place<'a> {
@@ -42,9 +41,16 @@ impl Place<'_> {
         view: &ViewRecord,
         request: &FrameRequest,
     ) -> Outcome<Value> {
+        let fits = request
+            .size_px
+            .iter()
+            .all(|side| *side <= stage.largest_frame_px());
+        if !fits || Format::of(&self.arguments.out) != Some(Format::Png) {
+            return self.export(stage, view, request);
+        }
         let result = draw_finished(stage, request)?;
-        let session = SessionFile::of_request(request, self.warnings);
-        let record = record_of(view, request, &result, &session, &self.arguments.out);
+        let mut record = self.record_of(request);
+        record::add_drawer(&mut record, stage, &result.drawn_by);
         let lacks = |key: &str| {
             let given = result.available_targets.iter().map(String::as_str);
             no_target(&result.drawn_by, key, &given.collect::<Vec<_>>())
@@ -91,6 +97,98 @@ impl Place<'_> {
             "stats": stats_of(&result.stats),
         }))
     }
+
+    /// Draws each file of a view by itself, in tiles where it is larger than what the device draws at once.
+    /// What the picture is made from, so that it can be made again.
+    fn record_of(&self, request: &FrameRequest) -> Value {
+        let out = self.file(&self.arguments.out);
+        record::of_frame(request, self.warnings, &out)
+    }
+
+    fn export(
+        &self,
+        stage: &mut Stage,
+        view: &ViewRecord,
+        request: &FrameRequest,
+    ) -> Outcome<Value> {
+        let record = self.record_of(request);
+        let export = |path: &Path, show: Show, targets: Vec<String>| Export {
+            path: self.file(path),
+            format: Format::of(path).unwrap_or(Format::Png),
+            frame: FrameRequest {
+                show,
+                read_back: Vec::new(),
+                ..request.clone()
+            },
+            targets,
+            record: record.clone(),
+            most_tile_px: LARGE_TILE_PX,
+        };
+        let picture = export(&self.arguments.out, request.show.clone(), Vec::new());
+        let others = self.arguments.aovs.iter().map(|AovFile { key, path, .. }| {
+            // An EXR file shows nothing, and a PNG file has no layers.
+            export(path, Show::Target(key.clone()), vec![key.clone()])
+        });
+        let exports: Vec<Export> = std::iter::once(picture).chain(others).collect();
+        let files: Vec<PathBuf> = exports.iter().map(|export| export.path.clone()).collect();
+        let mut first: Option<Saved> = None;
+        for export in exports {
+            let saved = save(stage, export)?;
+            saved.notices.iter().for_each(say);
+            tracing::info!("written {}", saved.path.display());
+            first.get_or_insert(saved);
+        }
+        let first = first.expect("the picture itself is the first");
+        Ok(json!({
+            "files": files,
+            "drawn_by": first.drawn_by,
+            "size": request.size_px,
+            "tiles": first.tile_count,
+            "view": view,
+            "stats": stats_of(&first.stats),
+        }))
+    }
+}
+
+/// Saves an image, however long it takes.
+fn save(stage: &mut Stage, export: Export) -> Outcome<Saved> {
+    let mut exporting = Exporting::begin(export, Job::new())?;
+    loop {
+        match exporting.step(stage) {
+            Ok(Some(saved)) => return Ok(saved),
+            Ok(None) => {}
+            Err(
+                ExportError::NoTarget {
+                    renderer,
+                    key,
+                    given,
+                }
+                | ExportError::Frame(FrameError::NoTarget {
+                    renderer,
+                    key,
+                    given,
+                }),
+            ) => {
+                let given: Vec<&str> = given.split(", ").collect();
+                return Err(no_target(&renderer, &key, &given));
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+}
+
+/// Says a notice on standard error.
+fn say(notice: &Notice) {
+    let word = match notice.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Info => "note",
+    };
+    if notice.plugin.is_empty() {
+        eprintln!("{word}: {}", notice.text);
+    } else {
+        eprintln!("{word}: {}: {}", notice.plugin, notice.text);
+    }
 }
 
 fn write_png(path: &Path, result: &FrameResult, record: &Value) -> Outcome {
@@ -109,50 +207,11 @@ fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResu
             } => no_target(&renderer, &key, &given.split(", ").collect::<Vec<_>>()),
             other => other.into(),
         })?;
-        for notice in &result.notices {
-            let word = match notice.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-                Severity::Info => "note",
-            };
-            if notice.plugin.is_empty() {
-                eprintln!("{word}: {}", notice.text);
-            } else {
-                eprintln!("{word}: {}: {}", notice.plugin, notice.text);
-            }
-        }
+        result.notices.iter().for_each(say);
         if result.progress >= 1.0 {
             return Ok(result);
         }
     }
-}
-
-/// What a picture was made from, so that it can be made again.
-fn record_of(
-    view: &ViewRecord,
-    request: &FrameRequest,
-    result: &FrameResult,
-    session: &SessionFile,
-    out: &Path,
-) -> Value {
-    let files = request.scene.objects().iter();
-    let files: Vec<_> = files.filter_map(|object| object.source.as_ref()).collect();
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        // The other fields are for people and for programs that know no sessions.
-        "session": session.to_toml_string(&folder_of(out)).ok(),
-        "files": files,
-        "renderer": result.drawn_by,
-        "settings": request.settings,
-        "structure": request.structure,
-        "structure_settings": request.structure_settings,
-        "view": view,
-        "lights": request.lights,
-        "show": show_key(&request.show),
-        "background": values::background_text(request.background),
-        "exposure": request.exposure,
-        "radius_scale": request.radius_scale,
-    })
 }
 
 fn stats_of(stats: &FrameStats) -> Value {

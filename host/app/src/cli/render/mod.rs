@@ -34,12 +34,16 @@ Examples:
   pointstage render scan.ply --view view.json --stats stats.json --out scan.png
   pointstage render --session work.pointstage.toml --out work.png
   pointstage render --session work.pointstage.toml --view front --renderer surfel --out front.png
+  pointstage render scan.ply --size 20000x20000 --out poster.png
+  pointstage render scan.ply --out scan.exr
 
 Several views (orbit:N) number their files: turn_000.png, turn_001.png, …
 EXR files hold the target's values: depth as the distance along the line of sight in scene units (infinite where
 nothing is), normals in view space, ids as whole numbers. PNG files show them as the window's legend does.
-PNG files carry the renderer, settings and view that made them, as JSON in the text chunk 'Pointstage'; --session takes
-such a picture too, and draws it again.")]
+--out FILE.exr writes all targets that the renderer gives, as layers of one file.
+Images beyond the device's limit are drawn in tiles and look the same.
+Images carry the renderer, settings and view that made them, as JSON: PNG in the text chunk 'Pointstage', EXR in the
+attribute of that name. --session takes such a PNG too, and draws it again.")]
 pub(crate) struct RenderArguments {
     /// PLY files; each becomes an object [default: the session's]
     #[arg(value_name = "FILE", required_unless_present = "session")]
@@ -53,10 +57,10 @@ pub(crate) struct RenderArguments {
     /// Structure that selects levels of detail
     #[arg(long, value_name = "ID")]
     structure: Option<String>,
-    /// Picture to write
-    #[arg(long, value_name = "FILE.png", value_parser = values::png_path)]
+    /// Image to write: the picture (.png), or all targets (.exr)
+    #[arg(long, value_name = "FILE", value_parser = values::image_path)]
     out: PathBuf,
-    /// Size of the picture in pixels [default: the view's, else the session's, else 1280x720]
+    /// Size of the image in pixels, each side up to 65536 [default: the view's, else the session's, else 1280x720]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
     /// Where to look from: a view FILE, orbit:N for N views around the scene, or the name or number of a view that the

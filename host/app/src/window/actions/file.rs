@@ -6,7 +6,7 @@ use egui::{Key, Modifiers};
 
 use super::{Action, COMMAND_SHIFT, Menu, Place};
 use crate::window::app::App;
-use crate::window::intent::{FileIntent, OpenMode, WindowIntent};
+use crate::window::intent::{ExportIntent, FileIntent, OpenMode, WindowIntent};
 
 /// Gestures that open files.
 pub(super) const GESTURES: &[(&str, &str)] = &[
@@ -18,6 +18,7 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
     let mut actions = open_actions();
     actions.extend(recent_actions(app));
     actions.extend(session_actions(app));
+    actions.push(save_image_action(app));
     let end = Place::new(Menu::File, 9);
     actions.push(
         Action::new("file.quit", "Quit", end, WindowIntent::Quit).keys(Modifiers::COMMAND, Key::Q),
@@ -104,6 +105,20 @@ pub(crate) fn title_of_recent(path: &Path) -> String {
         Some(below) => format!("{name} – {}", Path::new("~").join(below).display()),
         None => format!("{name} – {}", folder.display()),
     }
+}
+
+fn save_image_action(app: &App) -> Action {
+    let nothing = app.session.scene.objects().is_empty();
+    let nothing = nothing.then(|| "there is nothing to see yet; open a file first".to_owned());
+    let place = Place::new(Menu::File, 5);
+    Action::new(
+        "file.save_image",
+        "Save image…",
+        place,
+        ExportIntent::ShowDialog,
+    )
+    .keys(Modifiers::COMMAND, Key::S)
+    .unless(nothing)
 }
 
 fn session_actions(app: &App) -> Vec<Action> {

@@ -17,7 +17,7 @@ mod window;
 
 pub(crate) use camera::CameraIntent;
 pub(crate) use edit::EditIntent;
-pub(crate) use export::ExportIntent;
+pub(crate) use export::{Backdrop, ExportIntent, ImageFile, Replace};
 pub(crate) use file::{FileIntent, OpenMode, Overwrite};
 pub(crate) use inspect::InspectIntent;
 pub(crate) use light::LightIntent;
