@@ -175,11 +175,9 @@ impl Choices {
                 camera.projection = Projection::Perspective { fov_y_rad };
             }
             (Lens::Orthographic, Projection::Orthographic { .. }) => return,
-            (Lens::Perspective { fov_y_rad }, Projection::Orthographic { .. }) => {
-                *camera = camera.with_projection_switched(fov_y_rad);
-            }
-            // The angle is used when perspective comes back only.
-            (Lens::Orthographic, Projection::Perspective { fov_y_rad }) => {
+            // Towards orthographic, the angle is not used.
+            (Lens::Perspective { fov_y_rad }, Projection::Orthographic { .. })
+            | (Lens::Orthographic, Projection::Perspective { fov_y_rad }) => {
                 *camera = camera.with_projection_switched(fov_y_rad);
             }
         }

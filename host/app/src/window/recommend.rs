@@ -202,6 +202,14 @@ mod tests {
         gpu(|needs| needs.device = DeviceKind::Cpu)
     }
 
+    #[expect(
+        clippy::unnecessary_wraps,
+        reason = "compared with what the rule answers"
+    )]
+    fn some(id: &str, why: &str) -> Option<(String, String)> {
+        Some((id.to_owned(), why.to_owned()))
+    }
+
     /// Candidates `a`, `b`, … of these needs; the flags say whether they are suitable.
     fn asked(needs: &[(Needs, bool)], has: Has) -> [Option<(String, String)>; 2] {
         let gives = Gives::default();
@@ -222,10 +230,6 @@ mod tests {
         .map(|found| found.map(|found| (found.id, found.why)))
     }
 
-    fn is(id: &str, why: &str) -> Option<(String, String)> {
-        Some((id.to_owned(), why.to_owned()))
-    }
-
     #[test]
     fn what_uses_most_of_the_scene_is_recommended_and_what_needs_least_previews() {
         let points = gpu(|_| ());
@@ -235,8 +239,8 @@ mod tests {
         assert_eq!(
             found,
             [
-                is("b", "uses the normals and radii that this scene has"),
-                is("a", "fastest: needs positions only")
+                some("b", "uses the normals and radii that this scene has"),
+                some("a", "fastest: needs positions only")
             ]
         );
     }
@@ -248,7 +252,7 @@ mod tests {
         let found = asked(&[(splats, false), (points, true)], NOTHING);
         assert_eq!(
             found[0],
-            is("b", "draws the positions, all that this scene has")
+            some("b", "draws the positions, all that this scene has")
         );
         assert_eq!(asked(&[(cpu(), false)], NOTHING), [None, None]);
     }
@@ -262,12 +266,12 @@ mod tests {
         let with_device = [(reference.clone(), true), (disks.clone(), true)];
         assert_eq!(
             asked(&with_device, EVERYTHING)[0],
-            is("b", "uses the radii that this scene has")
+            some("b", "uses the radii that this scene has")
         );
         let without = [(reference, true), (disks, false), (cpu(), true)];
         assert_eq!(
             asked(&without, EVERYTHING)[0],
-            is(
+            some(
                 "a",
                 "uses the radii and tangent axes that this scene has, and needs no graphics device"
             )

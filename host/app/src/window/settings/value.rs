@@ -36,15 +36,15 @@ pub(super) fn value_ui(ui: &mut Ui, setting: &SettingSchema, value: &SettingValu
             let changed = response.changed();
             Edited::new(response, changed.then_some(SettingValue::Bool(edited)))
         }
-        (SettingKind::Int { range, .. }, SettingValue::Int(value)) => {
-            let (response, typed) = int_ui(ui, &setting.label, range, *value);
+        (SettingKind::Int { range, .. }, SettingValue::Int(number)) => {
+            let (response, typed) = int_ui(ui, &setting.label, range, *number);
             let typed = typed.map(SettingValue::Int);
-            checked(setting, response, typed, SettingValue::Int(*value))
+            checked(setting, response, typed, value)
         }
-        (SettingKind::Float { range, .. }, SettingValue::Float(value)) => {
-            let (response, typed) = float_ui(ui, &setting.label, range, *value);
+        (SettingKind::Float { range, .. }, SettingValue::Float(number)) => {
+            let (response, typed) = float_ui(ui, &setting.label, range, *number);
             let typed = typed.map(SettingValue::Float);
-            checked(setting, response, typed, SettingValue::Float(*value))
+            checked(setting, response, typed, value)
         }
         (SettingKind::Choice { options, .. }, SettingValue::Choice(chosen)) => {
             let (response, edited) = choice_ui(ui, options, chosen);
@@ -71,7 +71,7 @@ fn checked(
     setting: &SettingSchema,
     widget: Response,
     typed: Option<SettingValue>,
-    before: SettingValue,
+    before: &SettingValue,
 ) -> Edited {
     let Some(typed) = typed else {
         return Edited::new(widget, None);
@@ -92,7 +92,7 @@ fn checked(
         Err(error) => (None, Some(error.to_string())),
     };
     Edited {
-        value: value.filter(|value| *value != before),
+        value: value.filter(|value| value != before),
         refused,
         widget: Some(widget),
     }
