@@ -85,7 +85,8 @@ fn every_kind_of_setting_is_read_and_written_back() {
         { "id": "size", "kind": "float", "default": 2, "min": 0.5, "max": 64, "soft_max": 16, "step": 0.5,
           "unit": "px", "scale": "logarithmic", "group": "Splats",
           "visible_if": { "id": "path", "equals": "raster" } },
-        { "id": "levels", "kind": "int", "default": 3, "min": 0 },
+        { "id": "levels", "kind": "int", "default": 3, "min": 0,
+          "value_shortcuts": [{ "key": "1", "value": 1 }, { "key": "5", "value": 5 }] },
         { "id": "lit", "kind": "bool", "default": false },
         { "id": "tint", "kind": "colour", "default": [1, 0.5, 0] },
         { "id": "note", "kind": "text" },
@@ -110,6 +111,12 @@ fn every_kind_of_setting_is_read_and_written_back() {
             .setting("tint")
             .and_then(SettingSchema::default_value),
         Some(SettingValue::Colour([1.0, 0.5, 0.0, 1.0]))
+    );
+    let keys = plugin.setting("levels").map(|s| &*s.value_shortcuts);
+    let five = keys.and_then(|keys| keys.last());
+    assert_eq!(
+        five.map(|five| (five.key.as_str(), &five.value)),
+        Some(("5", &SettingValue::Int(5)))
     );
     assert!(matches!(
         plugin.setting("reset").map(|s| &s.kind),
@@ -205,6 +212,10 @@ fn faults_of_a_setting_name_plugin_setting_and_fault() {
         (
             json!([{ "id": "a", "kind": "bool", "default": true, "visible_if": { "id": "a", "equals": 1 } }]),
             "can never hold",
+        ),
+        (
+            json!([{ "id": "a", "kind": "bool", "default": true, "value_shortcuts": [{ "key": "B", "value": 2 }] }]),
+            "'value_shortcuts' gives with 'B' what is not allowed",
         ),
         (
             json!([{ "id": "a b", "kind": "bool", "default": true }]),

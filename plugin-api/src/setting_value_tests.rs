@@ -12,6 +12,7 @@ fn setting(id: &str, kind: SettingKind) -> SettingSchema {
         visible_if: None,
         cost: SettingCost::Redraw,
         shortcut: None,
+        value_shortcuts: Vec::new(),
     }
 }
 

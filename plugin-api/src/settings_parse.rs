@@ -4,7 +4,7 @@ use crate::nearest::{did_you_mean, nearest_names};
 use crate::setting_value::SettingValue;
 use crate::settings_schema::{
     ChoiceOption, NumberRange, Scale, SchemaError, SettingCost, SettingKind, SettingSchema,
-    VisibleIf,
+    ValueShortcut, VisibleIf,
 };
 use serde::Deserialize;
 use serde_json::Value;
@@ -46,6 +46,14 @@ struct RawSetting {
     cost: SettingCost,
     #[serde(default)]
     shortcut: Option<String>,
+    #[serde(default)]
+    value_shortcuts: Vec<RawShortcut>,
+}
+
+#[derive(Deserialize)]
+struct RawShortcut {
+    key: String,
+    value: Value,
 }
 
 #[derive(Deserialize)]
@@ -88,7 +96,7 @@ pub(crate) fn parse_settings(
         } else {
             raw.label
         };
-        let setting = SettingSchema {
+        let mut setting = SettingSchema {
             id: raw.id,
             kind,
             label,
@@ -97,7 +105,9 @@ pub(crate) fn parse_settings(
             visible_if: None,
             cost: raw.cost,
             shortcut: raw.shortcut,
+            value_shortcuts: Vec::new(),
         };
+        setting.value_shortcuts = resolve_shortcuts(raw.value_shortcuts, &setting).map_err(fail)?;
         if let Some(default) = setting.default_value() {
             setting
                 .check(&default)
@@ -115,6 +125,27 @@ pub(crate) fn parse_settings(
         settings[index].visible_if = Some(resolved);
     }
     Ok(settings)
+}
+
+fn resolve_shortcuts(
+    given: Vec<RawShortcut>,
+    setting: &SettingSchema,
+) -> Result<Vec<ValueShortcut>, SchemaError> {
+    let resolve = |RawShortcut { key, value }: RawShortcut| {
+        let given = SettingValue::deserialize(&value).map_err(|_| SchemaError::Type {
+            field: "value_shortcuts.value",
+            expected: "a value",
+            found: value.to_string(),
+        })?;
+        match setting.check(&given) {
+            Ok(value) => Ok(ValueShortcut { key, value }),
+            Err(source) => Err(SchemaError::Shortcut {
+                key,
+                source: Box::new(source),
+            }),
+        }
+    };
+    given.into_iter().map(resolve).collect()
 }
 
 fn resolve_condition(

@@ -27,8 +27,20 @@ pub struct SettingSchema {
     pub visible_if: Option<VisibleIf>,
     /// What a change costs.
     pub cost: SettingCost,
-    /// Key that changes it with Alt held while this renderer is chosen.
+    /// Key that changes it with Alt held while this renderer is chosen: a bool is switched, a choice takes its next option, an
+    /// action is pressed, any other setting gets the keyboard.
     pub shortcut: Option<String>,
+    /// Keys that give it a value each, with Alt held while this renderer is chosen.
+    pub value_shortcuts: Vec<ValueShortcut>,
+}
+
+/// A key that gives a setting a value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ValueShortcut {
+    /// The key's name: a letter, a digit, `F5`, …
+    pub key: String,
+    /// The value.
+    pub value: SettingValue,
 }
 
 /// Kind of a setting, with its default and limits.
@@ -184,6 +196,14 @@ pub enum SchemaError {
     /// `visible_if` asks for a value that the other setting cannot have.
     #[error("'visible_if' can never hold: {0}")]
     Condition(Box<ValueError>),
+    /// A shortcut gives a value that the setting cannot have.
+    #[error("'value_shortcuts' gives with '{key}' what is not allowed: {source}")]
+    Shortcut {
+        /// The key.
+        key: String,
+        /// What is wrong with its value.
+        source: Box<ValueError>,
+    },
 }
 
 impl SettingKind {
@@ -251,6 +271,8 @@ struct WrittenSetting {
     cost: SettingCost,
     #[serde(skip_serializing_if = "Option::is_none")]
     shortcut: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    value_shortcuts: Vec<ValueShortcut>,
 }
 
 #[derive(Serialize)]
@@ -305,6 +327,7 @@ impl From<SettingSchema> for WrittenSetting {
             visible_if: setting.visible_if,
             cost: setting.cost,
             shortcut: setting.shortcut,
+            value_shortcuts: setting.value_shortcuts,
         }
     }
 }

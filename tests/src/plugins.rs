@@ -93,6 +93,16 @@ pub fn sound() -> Result<PathBuf> {
     })
 }
 
+/// The library of a CPU renderer with a setting of every kind.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn everything() -> Result<PathBuf> {
+    once("everything", || {
+        build(&repository().join("tests/plugins"), "everything", &[])
+    })
+}
+
 /// The library that misbehaves while it is loaded, under a file name that asks for `fault`.
 ///
 /// # Errors

@@ -1,5 +1,8 @@
 //! The command line as a script meets it: exit codes, messages on standard error, results on standard output.
 
+#[path = "cli/session.rs"]
+mod session;
+
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
@@ -249,6 +252,7 @@ fn help_names_every_command_and_option_and_is_no_error() -> Result<()> {
                 "--set",
                 "--aov",
                 "--stats",
+                "--session",
                 "--out",
                 "Examples",
             ],

@@ -8,7 +8,8 @@ use pointstage_engine::plugins::{
     CallState, ChildProgram, DiscoverOptions, Examination, HostInstance, Registry,
 };
 use pointstage_engine::stage::{
-    FALLBACK_ID, FrameRequest, FrameResult, Notice, Patience, SettingValue, Stage, StageOptions,
+    FALLBACK_ID, FrameRequest, FrameResult, Notice, Patience, Role, SettingValue, Stage,
+    StageOptions,
 };
 use pointstage_plugin_api::ErrorCode;
 use pointstage_plugin_api::abi::{PrepareRecord, SceneRecord};
@@ -170,6 +171,22 @@ fn an_endless_preparation_does_not_stop_the_session() -> Result<()> {
     );
     let (after, _) = settled(&mut stage, &request("good"))?;
     assert_eq!(after.drawn_by, id("good"));
+    Ok(())
+}
+
+#[test]
+fn while_a_preview_is_prepared_the_main_renderer_stands_in_for_it() -> Result<()> {
+    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let main = FrameRequest {
+        role: Role::Main,
+        ..request("good")
+    };
+    settled(&mut stage, &main)?;
+    let result = stage.frame(&FrameRequest {
+        role: Role::Preview,
+        ..request("endless-prepare")
+    })?;
+    assert_eq!(result.drawn_by, id("good"), "not the fallback");
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! The repository's own commands: `cargo xtask run`, `test`, `bless`, `sample`, `bench`.
+//! The repository's own commands: `cargo xtask run`, `test`, `bless`, `pictures`, `sample`, `bench`.
 //!
 //! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
 //! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate, so that
@@ -11,6 +11,7 @@ mod bless;
 mod build;
 mod json;
 mod paths;
+mod pictures;
 mod process;
 mod run;
 mod sample;
@@ -29,6 +30,7 @@ Usage: cargo xtask COMMAND
                                  ARGUMENTS go to the program as they are.
   test [--long]                  the same set-up, then every check; --long adds the slow sweeps
   bless                          draw the golden images anew; look at the difference before you commit it
+  pictures                       make the user guide's pictures anew, in the real window on a virtual display
   sample [--surfels N] [--out FILE]
                                  make the procedural sample anew
   bench [NAME...] [-- ARGUMENTS] run the benchmarks (all, or those of these names); ARGUMENTS go to them
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         "run" => run::run(rest),
         "test" => test::test(rest),
         "bless" => bless::bless(rest),
+        "pictures" => pictures::pictures(rest),
         "sample" => sample::sample(rest),
         "bench" => bench::bench(rest),
         "help" | "--help" | "-h" => {

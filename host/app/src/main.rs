@@ -1,10 +1,15 @@
 //! Pointstage: a stage on which point-based renderers perform. This binary is the window and the command line.
 //!
 //! [`cli`] reads the command line and runs one command; [`window`] is the command that runs when none is named;
-//! [`output`] writes what commands make.
+//! [`output`] writes what commands make. What outlives the program stands in [`preferences`] and in a [`session_file`], both
+//! TOML ([`toml_form`]); [`host_log`] keeps the last log lines for bug reports.
 
 mod cli;
+mod host_log;
 mod output;
+mod preferences;
+mod session_file;
+mod toml_form;
 mod window;
 
 use std::process::ExitCode;

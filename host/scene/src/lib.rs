@@ -15,19 +15,20 @@ pub mod estimate;
 mod geometry;
 mod job;
 mod light;
+mod light_by_hand;
 mod load;
 mod scene;
 mod warnings;
 
 pub use bounds::Bounds;
 pub use camera::{
-    Camera, Projection, VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource,
+    Camera, NearClipping, Projection, VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource,
     ViewSourceError, orbit_cameras,
 };
 pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};
 pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType};
 pub use job::{Cancelled, Job};
-pub use light::{Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
+pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
     Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Place, PlyError, Winding, load,
 };

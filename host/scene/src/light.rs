@@ -13,6 +13,18 @@ pub struct Lights {
     pub ambient: Vec3,
     /// At most [`MAX_LIGHTS`]; [`enabled`](Self::enabled) ignores the rest.
     pub lights: Vec<Light>,
+    /// A light at the eye that, while it is on, shines instead of all of `lights`.
+    #[serde(default)]
+    pub headlight: Headlight,
+}
+
+/// One white light that shines where the eye looks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Headlight {
+    /// Whether it shines, and the others do not.
+    pub enabled: bool,
+    /// Linear intensity, kept while it is off.
+    pub strength: f32,
 }
 
 /// One source.
@@ -24,6 +36,14 @@ pub struct Light {
     pub space: LightSpace,
     /// Linear RGB, may exceed 1.
     pub colour: Vec3,
+    /// Whether it shines.
+    #[serde(default = "shining")]
+    pub enabled: bool,
+}
+
+/// A source shines unless a file says otherwise.
+fn shining() -> bool {
+    true
 }
 
 /// Shape of a source.
@@ -54,9 +74,35 @@ pub enum LightSpace {
 }
 
 impl Lights {
-    /// The sources that count: the first [`MAX_LIGHTS`].
-    pub fn enabled(&self) -> &[Light] {
-        &self.lights[..self.lights.len().min(MAX_LIGHTS)]
+    /// The sources that shine: the headlight alone, or those of the first [`MAX_LIGHTS`] that are enabled.
+    pub fn enabled(&self) -> Vec<Light> {
+        if self.headlight.enabled {
+            return vec![self.headlight.as_light()];
+        }
+        let listed = self.lights.iter().take(MAX_LIGHTS);
+        listed.filter(|light| light.enabled).cloned().collect()
+    }
+}
+
+impl Headlight {
+    /// It as a source: from the eye, straight ahead.
+    pub fn as_light(self) -> Light {
+        Light {
+            kind: LightKind::Directional { towards: DVec3::Z },
+            space: LightSpace::View,
+            colour: Vec3::splat(self.strength),
+            enabled: true,
+        }
+    }
+}
+
+impl Default for Headlight {
+    /// Off; a white surface of the default material that faces the eye would stay just under 1.
+    fn default() -> Self {
+        Self {
+            enabled: false,
+            strength: 0.9,
+        }
     }
 }
 
@@ -86,6 +132,7 @@ impl Default for Lights {
             },
             space: LightSpace::View,
             colour,
+            enabled: true,
         };
         Self {
             ambient: Vec3::splat(0.12),
@@ -93,6 +140,7 @@ impl Default for Lights {
                 directional(DVec3::new(-0.45, 0.6, 1.0), Vec3::new(0.95, 0.94, 0.92)),
                 directional(DVec3::new(0.8, -0.3, 0.5), Vec3::new(0.10, 0.11, 0.13)),
             ],
+            headlight: Headlight::default(),
         }
     }
 }
@@ -111,11 +159,33 @@ mod tests {
     }
 
     #[test]
+    fn lights_that_are_off_do_not_count() {
+        let mut lights = Lights::default();
+        lights.lights[0].enabled = false;
+        assert_eq!(lights.enabled(), [lights.lights[1].clone()]);
+    }
+
+    #[test]
+    fn the_headlight_shines_alone_and_leaves_the_others_as_they_are() {
+        let mut lights = Lights::default();
+        lights.headlight = Headlight {
+            enabled: true,
+            strength: 0.5,
+        };
+        let shining = lights.enabled();
+        assert_eq!(shining.len(), 1);
+        assert_eq!(shining[0].colour, Vec3::splat(0.5));
+        lights.headlight.enabled = false;
+        assert_eq!(lights.enabled(), Lights::default().enabled());
+    }
+
+    #[test]
     fn a_world_light_turns_with_the_view() {
         let light = Light {
             kind: LightKind::Directional { towards: DVec3::X },
             space: LightSpace::World,
             colour: Vec3::ONE,
+            enabled: true,
         };
         let quarter_turn = DMat4::from_rotation_y(std::f64::consts::FRAC_PI_2);
         let LightKind::Directional { towards } = light.kind_view(&quarter_turn) else {

@@ -53,6 +53,27 @@ pub(super) fn glide(
 
 /// Presses the keys named between `+` together and lets go in the opposite order.
 pub(super) fn press_keys(connection: &RustConnection, root: Window, keys: &str) -> Result<()> {
+    strike(connection, root, &codes_of(connection, keys)?)
+}
+
+/// Presses the keys named between `+` and holds them.
+pub(super) fn hold_keys(connection: &RustConnection, root: Window, keys: &str) -> Result<()> {
+    for code in codes_of(connection, keys)? {
+        event(connection, root, KEY_PRESS_EVENT, code)?;
+    }
+    Ok(())
+}
+
+/// Lets go of keys that are held.
+pub(super) fn release_keys(connection: &RustConnection, root: Window, keys: &str) -> Result<()> {
+    for code in codes_of(connection, keys)?.into_iter().rev() {
+        event(connection, root, KEY_RELEASE_EVENT, code)?;
+    }
+    Ok(())
+}
+
+/// The keys named between `+`, with Shift before one that takes it.
+fn codes_of(connection: &RustConnection, keys: &str) -> Result<Vec<Keycode>> {
     let keyboard = Keyboard::read(connection)?;
     let mut codes = Vec::new();
     for name in keys.split('+') {
@@ -64,7 +85,7 @@ pub(super) fn press_keys(connection: &RustConnection, root: Window, keys: &str) 
         }
         codes.push(code);
     }
-    strike(connection, root, &codes)
+    Ok(codes)
 }
 
 pub(super) fn type_text(connection: &RustConnection, root: Window, text: &str) -> Result<()> {

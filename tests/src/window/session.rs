@@ -168,6 +168,32 @@ impl Window {
         Ok(())
     }
 
+    /// Drags once with `button` between two places, and does not wait.
+    ///
+    /// # Errors
+    /// When the display is gone.
+    pub fn drag(&self, from: (i16, i16), to: (i16, i16), button: u8) -> Result<()> {
+        self.point_at(from.0, from.1)?;
+        input::press(&self.connection, self.root, button)?;
+        let glided = input::glide(&self.connection, self.root, from, to);
+        input::release(&self.connection, self.root, button)?;
+        glided
+    }
+
+    /// Clicks twice with the left button.
+    ///
+    /// # Errors
+    /// When the display is gone.
+    pub fn double_click(&self, x: i16, y: i16) -> Result<()> {
+        self.click(x, y, 1)?;
+        self.click(x, y, 1)
+    }
+
+    /// The program's number in the system.
+    pub fn process_id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Turns the wheel at (x, y) by `clicks`, up when positive.
     ///
     /// # Errors
@@ -192,6 +218,38 @@ impl Window {
     /// When a key is not on the keyboard, or the display is gone.
     pub fn press_keys(&self, keys: &str) -> Result<()> {
         input::press_keys(&self.connection, self.root, keys)
+    }
+
+    /// Presses keys and holds them while `act` runs; they are let go of even if it fails.
+    ///
+    /// # Errors
+    /// As for [`Window::press_keys`], and what `act` says.
+    pub fn while_holding<T>(
+        &mut self,
+        keys: &str,
+        act: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        input::hold_keys(&self.connection, self.root, keys)?;
+        let done = act(self);
+        input::release_keys(&self.connection, self.root, keys)?;
+        done
+    }
+
+    /// Presses `button` at (x, y) and holds it while `act` runs; it is let go of even if that fails.
+    ///
+    /// # Errors
+    /// When the display is gone, and what `act` says.
+    pub fn while_pressing<T>(
+        &mut self,
+        (x, y): (i16, i16),
+        button: u8,
+        act: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        self.point_at(x, y)?;
+        input::press(&self.connection, self.root, button)?;
+        let done = act(self);
+        input::release(&self.connection, self.root, button)?;
+        done
     }
 
     /// Types ASCII text.

@@ -82,6 +82,32 @@ impl State {
         texts.filter_map(Value::as_str).collect()
     }
 
+    /// The errors in the log, oldest first.
+    pub fn errors(&self) -> Vec<&str> {
+        let messages = self.session("messages").as_array().into_iter().flatten();
+        let errors = messages.filter(|message| message["severity"] == "error");
+        errors
+            .filter_map(|message| message["text"].as_str())
+            .collect()
+    }
+
+    /// Passes that the window has made over itself.
+    pub fn passes(&self) -> Option<u64> {
+        self.0["passes"].as_u64()
+    }
+
+    /// Every widget of these roles that can be used, with its name.
+    pub fn usable(&self, roles: &[&str]) -> Vec<(String, Widget)> {
+        let of_roles = self
+            .widgets()
+            .filter(|widget| roles.iter().any(|role| widget["role"] == *role));
+        let named = of_roles.filter_map(|widget| {
+            let name = widget["name"].as_str().unwrap_or_default();
+            Some((name.to_owned(), Widget::from(widget)?))
+        });
+        named.filter(|(_, widget)| widget.is_enabled).collect()
+    }
+
     /// The names of the objects on the stage.
     pub fn objects(&self) -> Vec<&str> {
         let objects = self.session("objects").as_array();

@@ -3,12 +3,12 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use image::RgbaImage;
 use pointstage_tests::compare::{Difference, compare};
 use pointstage_tests::program::Program;
 use pointstage_tests::scenes;
-use pointstage_tests::window::{Display, Window};
+use pointstage_tests::window::{Display, Widget, Window};
 
 /// The renderer that draws at first.
 pub(super) const POINTS: &str = "org.pointstage.points";
@@ -39,7 +39,15 @@ impl Desk {
 
     /// Opens the window of `program`, which gets `arguments`. `None` where there is no virtual display.
     pub(super) fn open(program: Program, arguments: &[&OsStr]) -> Result<Option<Self>> {
-        let (width, height) = SIZE;
+        Self::open_at(program, arguments, SIZE)
+    }
+
+    /// Opens the window on a display of this size, px.
+    pub(super) fn open_at(
+        program: Program,
+        arguments: &[&OsStr],
+        (width, height): (u16, u16),
+    ) -> Result<Option<Self>> {
         let Some(display) = Display::start(width, height)? else {
             return Ok(None);
         };
@@ -71,6 +79,31 @@ impl Desk {
         })
     }
 
+    /// Turns the wheel over the settings until the widget is where it can be clicked on, and returns it.
+    pub(super) fn scroll_settings_to(&mut self, role: &str, name: &str) -> Result<Widget> {
+        let (width, height) = (SIZE.0.cast_signed(), SIZE.1.cast_signed());
+        // The menu and the tabs above, the status bar below.
+        let (top, bottom) = (80, height - 40);
+        for _ in 0..30 {
+            let widget = self.window.find(role, name)?;
+            let [_, above, _, below] = widget.rect;
+            let clicks = match () {
+                () if below > bottom => -1,
+                () if above < top => 1,
+                () => return Ok(widget),
+            };
+            self.window.scroll(width - 60, height / 2, clicks)?;
+            self.window
+                .wait_for_state("the settings to scroll", |state| {
+                    let moved = state.widget(role, name)?.rect != widget.rect;
+                    moved.then_some(())
+                })?;
+            // The toolkit scrolls on for some passes.
+            self.window.settle("the settings to rest", |_| true)?;
+        }
+        bail!("{role} '{name}' does not come into sight")
+    }
+
     /// The file menu's way: the field for a path, typed to and entered.
     pub(super) fn type_path(&mut self, path: &Path) -> Result<()> {
         self.window.click_on("Button", "File")?;
@@ -89,10 +122,15 @@ impl Desk {
 
     /// Ends the session as a person would, and asks that it ends well.
     pub(super) fn close(self) -> Result<()> {
+        self.close_and_keep().map(drop)
+    }
+
+    /// The same; the program's files stay, so that it can be started again where it was.
+    pub(super) fn close_and_keep(self) -> Result<Program> {
         let said = self.window.said();
         let status = self.window.close()?;
         ensure!(status.success(), "{status}; it said:\n{said}");
-        Ok(())
+        Ok(self.program)
     }
 }
 

@@ -1,7 +1,13 @@
 //! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
 
+mod camera;
 mod desk;
+mod guide;
+mod hand_over;
+mod panel;
 mod save;
+mod session;
+mod walk;
 
 use std::path::{Path, PathBuf};
 

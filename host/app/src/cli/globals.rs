@@ -7,6 +7,8 @@ use pointstage_engine::device::{Backend, DeviceOptions};
 use pointstage_engine::plugins::{DiscoverOptions, standard_state_folder};
 use pointstage_engine::stage::StageOptions;
 
+use crate::preferences::plugin_folders;
+
 /// Options of every command.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Globals {
@@ -73,13 +75,16 @@ impl Globals {
         }
     }
 
-    /// Where to look for plugins: the usual places and the files named.
+    /// Where to look for plugins: the usual places, the folders that the user added in the window, and the files named.
     pub(crate) fn discover_options(&self) -> DiscoverOptions {
-        DiscoverOptions {
+        let state_folder = self.state_folder();
+        let mut options = DiscoverOptions {
             files: self.plugins.clone(),
-            state_folder: Some(self.state_folder()),
             ..DiscoverOptions::standard()
-        }
+        };
+        options.folders.extend(plugin_folders(&state_folder));
+        options.state_folder = Some(state_folder);
+        options
     }
 
     /// Where caches, quarantine and the window's layout are kept.

@@ -1,23 +1,21 @@
 //! Files into a scene, for commands.
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::Path;
 
-use pointstage_scene::{Estimation, Job, LoadOptions, Loaded, Scene, Winding, load};
+use pointstage_scene::{
+    Estimation, Job, LoadOptions, Loaded, ObjectId, Scene, Warnings, Winding, load,
+};
 
 use super::{Failure, Outcome};
+use crate::session_file::SceneFile;
 
 /// Options of commands that load files.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LoadArguments {
     /// Estimate normals and radii where the file has none [default: below 2 million surfels]
-    #[arg(
-        long,
-        value_enum,
-        default_value = "auto",
-        value_name = "WHEN",
-        help_heading = "Loading"
-    )]
-    estimate: WhenToEstimate,
+    #[arg(long, value_enum, value_name = "WHEN", help_heading = "Loading")]
+    estimate: Option<WhenToEstimate>,
     /// Turn meshes inside out: for files whose faces are wound inward
     #[arg(long, help_heading = "Loading")]
     flip: bool,
@@ -34,38 +32,33 @@ enum WhenToEstimate {
 }
 
 impl LoadArguments {
-    fn options(&self) -> LoadOptions {
-        LoadOptions {
-            estimation: match self.estimate {
-                WhenToEstimate::Auto => Estimation::Automatic,
-                WhenToEstimate::Always => Estimation::Always,
-                WhenToEstimate::Never => Estimation::Never,
-            },
-            winding: if self.flip {
-                Winding::Flipped
-            } else {
-                Winding::AsInFile
-            },
-            ..LoadOptions::default()
+    /// How to load an entry: as it says, unless the command line says otherwise.
+    fn options(&self, entry: &SceneFile) -> LoadOptions {
+        let mut options = entry.load_options();
+        match self.estimate {
+            None => {}
+            Some(WhenToEstimate::Auto) => options.estimation = Estimation::Automatic,
+            Some(WhenToEstimate::Always) => options.estimation = Estimation::Always,
+            Some(WhenToEstimate::Never) => options.estimation = Estimation::Never,
         }
-    }
-
-    /// What was asked for, for an image's record.
-    pub(crate) fn record(&self) -> serde_json::Value {
-        let estimate = match self.estimate {
-            WhenToEstimate::Auto => "auto",
-            WhenToEstimate::Always => "always",
-            WhenToEstimate::Never => "never",
-        };
-        serde_json::json!({ "estimate": estimate, "flip": self.flip })
+        if self.flip {
+            options.winding = Winding::Flipped;
+        }
+        options
     }
 
     /// Loads one file and says its warnings on standard error.
     pub(crate) fn load(&self, path: &Path) -> Outcome<Loaded> {
-        let loaded = load(path, &self.options(), &Job::new())?;
+        self.load_entry(&SceneFile::new(path.to_path_buf()))
+    }
+
+    /// Loads an object of a scene and says its warnings on standard error.
+    fn load_entry(&self, entry: &SceneFile) -> Outcome<Loaded> {
+        let mut loaded = load(&entry.file, &self.options(entry), &Job::new())?;
         for warning in loaded.warnings.iter() {
-            eprintln!("warning: {}: {warning}", path.display());
+            eprintln!("warning: {}: {warning}", entry.file.display());
         }
+        entry.dress(&mut loaded.object);
         tracing::info!(
             "scene loaded: {}, {} surfels",
             loaded.object.name,
@@ -74,17 +67,26 @@ impl LoadArguments {
         Ok(loaded)
     }
 
-    /// Loads files into one scene, each as an object.
-    pub(crate) fn load_scene(&self, paths: &[PathBuf]) -> Outcome<Scene> {
-        let mut scene = Scene::new();
-        for path in paths {
-            scene.add(self.load(path)?.object);
+    /// Loads files into one scene, each as an object, with what loading each gave to say.
+    pub(crate) fn load_scene(
+        &self,
+        entries: &[SceneFile],
+    ) -> Outcome<(Scene, BTreeMap<ObjectId, Warnings>)> {
+        if entries.is_empty() {
+            return Err(Failure::Failed(anyhow::anyhow!(
+                "the session's scene is empty; name FILEs to draw with its view and settings"
+            )));
+        }
+        let (mut scene, mut warnings) = (Scene::new(), BTreeMap::new());
+        for entry in entries {
+            let loaded = self.load_entry(entry)?;
+            warnings.insert(scene.add(loaded.object), loaded.warnings);
         }
         if scene.surfel_count() == 0 {
             return Err(Failure::Failed(anyhow::anyhow!(
                 "the scene has no surfels to draw; see 'pointstage info' for what is in the files"
             )));
         }
-        Ok(scene)
+        Ok((scene, warnings))
     }
 }

@@ -11,7 +11,7 @@ mod named_plugins;
 mod plugins;
 mod render;
 mod stdout;
-mod values;
+pub(crate) mod values;
 
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ pub(crate) use stdout::write_out;
 #[derive(Debug, Parser)]
 #[command(name = "pointstage", version, after_help = EXAMPLES, args_conflicts_with_subcommands = false)]
 pub(crate) struct Arguments {
-    /// PLY files to open in the window; each becomes an object
+    /// PLY files to open in the window, each as an object, or a session file
     #[arg(value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
@@ -41,6 +41,7 @@ pub(crate) struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   pointstage scan.ply                                           look at a scan
+  pointstage work.pointstage.toml                               go on with a saved session
   pointstage render scan.ply --renderer surfel --out scan.png   draw it without a window
   pointstage info scan.ply                                      what is in the file
   pointstage plugins list                                       which renderers there are
@@ -112,7 +113,9 @@ fn check_for_misspelt_command(files: &[PathBuf]) -> Outcome {
 ///
 /// `RUST_LOG` overrides the choice.
 pub(crate) fn start_log(verbose: u8) {
-    use tracing_subscriber::EnvFilter;
+    use tracing_subscriber::layer::SubscriberExt as _;
+    use tracing_subscriber::util::SubscriberInitExt as _;
+    use tracing_subscriber::{EnvFilter, Layer as _};
     let (ours, others) = match verbose {
         0 => ("warn", "error"),
         1 => ("info", "error"),
@@ -126,11 +129,14 @@ pub(crate) fn start_log(verbose: u8) {
         ))
     });
     let is_coloured = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let said = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(is_coloured)
         .with_target(false)
+        .with_filter(filter);
+    tracing_subscriber::registry()
+        .with(said)
+        .with(crate::host_log::layer())
         .init();
 }
 

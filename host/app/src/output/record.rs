@@ -2,17 +2,28 @@
 //!
 //! The names of the fields are those of the command line's options where there is one.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
-use pointstage_engine::stage::{Background, FrameRequest, Show, Stage};
-use pointstage_scene::{Scene, ViewRecord};
+use pointstage_engine::stage::{Background, FrameRequest, Stage};
+use pointstage_scene::{ObjectId, Scene, ViewRecord, Warnings};
 use serde_json::{Value, json};
 
-/// All that a frame was asked for, without who drew it.
-pub(crate) fn of_frame(request: &FrameRequest) -> Value {
+use crate::session_file::{SessionFile, folder_of};
+use crate::toml_form::show_key;
+
+/// All that a frame was asked for, without who drew it, for the image at `out`. `warnings` tell how objects were loaded.
+pub(crate) fn of_frame(
+    request: &FrameRequest,
+    warnings: &BTreeMap<ObjectId, Warnings>,
+    out: &Path,
+) -> Value {
     let [width, height] = request.image_size_px();
+    let session = SessionFile::of_request(request, warnings);
     json!({
         "version": env!("CARGO_PKG_VERSION"),
+        // The other fields are for people and for programs that know no sessions.
+        "session": session.to_toml_string(&folder_of(out)).ok(),
         "files": files(&request.scene),
         "objects": objects(&request.scene),
         "renderer": request.renderer,
@@ -21,7 +32,7 @@ pub(crate) fn of_frame(request: &FrameRequest) -> Value {
         "structure_settings": request.structure_settings,
         "view": ViewRecord::new(request.camera, width, height),
         "lights": request.lights,
-        "show": shown(&request.show),
+        "show": show_key(&request.show),
         "shown_range": request.shown_range,
         "background": background_text(request.background),
         "exposure": request.exposure,
@@ -78,14 +89,6 @@ fn objects(scene: &Scene) -> Vec<Value> {
         })
     });
     objects.collect()
-}
-
-/// What is shown, as the command line names it.
-fn shown(show: &Show) -> &str {
-    match show {
-        Show::Colours => "colours",
-        Show::Target(key) => key,
-    }
 }
 
 /// A background as the command line writes it.

@@ -5,19 +5,28 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Ui, ViewportCommand};
-use pointstage_engine::stage::{FrameResult, Severity};
+use pointstage_engine::stage::{FrameResult, Role, Severity};
 use pointstage_plugin_api::abi::Interaction;
 use pointstage_scene::{Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
-use super::asking::Asking;
+use super::apply::take_pasted_view;
+use super::asking::{Asking, Look, Wish};
 use super::dialogs::{FileDialog, PathField};
+use super::folder_dialog::FolderDialog;
+use super::frame_times::FrameTimes;
+use super::history::History;
+use super::inspector::Inspector;
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
-use super::navigation::CameraMove;
+use super::memory::Memory;
+use super::navigation::{Navigator, take_flying_keys};
+use super::pacing::Pacer;
 use super::palette::Palette;
-use super::picture::PictureTexture;
+use super::picture::{PictureTexture, Transition};
+use super::progress::Progress;
+use super::remembered::Remembered;
 use super::roles::Roles;
 use super::rows::Rows;
 use super::save_image::SaveImage;
@@ -36,14 +45,26 @@ pub(crate) struct App {
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
+    pub(super) remembered: Remembered,
     pub(super) asking: Asking,
     pub(super) roles: Roles,
+    /// What the camera does by itself.
+    pub(super) navigator: Navigator,
+    pub(super) pacer: Pacer,
+    pub(super) frame_times: FrameTimes,
+    pub(super) memory: Memory,
     pub(super) panels: Panels,
     pub(super) palette: Palette,
+    pub(super) inspector: Inspector,
+    pub(super) progress: Progress,
+    /// The renderer of whose keys was told.
+    told_keys_of: Option<String>,
     /// The setting that the keyboard is to be put on.
     pub(super) focus_setting: Option<String>,
     pub(super) path_field: Option<PathField>,
     pub(super) dialog: Option<FileDialog>,
+    pub(super) folder_dialog: Option<FolderDialog>,
+    pub(super) history: History,
     pub(super) save_image: Option<SaveImage>,
     /// What it was like when it was last used.
     pub(super) last_save_image: Option<SaveImage>,
@@ -114,13 +135,23 @@ impl App {
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
+            remembered: Remembered::without_file(wake.clone())?,
             asking: Asking::default(),
             roles: Roles::default(),
+            navigator: Navigator::default(),
+            pacer: Pacer::default(),
+            frame_times: FrameTimes::default(),
+            memory: Memory::default(),
             panels: Panels::default(),
             palette: Palette::default(),
+            inspector: Inspector::default(),
+            progress: Progress::default(),
+            told_keys_of: None,
             focus_setting: None,
             path_field: None,
             dialog: None,
+            folder_dialog: None,
+            history: History::default(),
             save_image: None,
             last_save_image: None,
             wake,
@@ -144,21 +175,34 @@ impl App {
         // Asked before the answers are taken: one that comes in between is taken by the next pass.
         let was_stage_idle = self.stage.is_idle();
         self.take_finished_tasks();
+        self.take_errands(&ctx);
         self.refresh_rows();
+        self.tell_of_conflicting_keys();
         let refine = self.take_new_picture(&ctx);
         let mut intents = Intents::new();
+        self.advance_camera(&ctx);
         let actions: Vec<Action> = actions::all(self);
         let picture = self.viewport.map(|viewport| viewport.id);
+        if self.is_flying() {
+            take_flying_keys(&ctx);
+        }
         read_keys(&ctx, &actions, picture, &mut intents);
+        take_pasted_view(&ctx, &mut intents);
         take_dropped_files(&ctx, &mut intents);
         self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
+        self.folder_dialog
+            .take_if(|dialog| !dialog.poll(&mut intents));
         self.show(ui, &actions, &mut intents);
         let is_idle = intents.is_empty();
         for intent in intents {
             self.apply(&ctx, intent);
         }
+        self.note_history(&ctx);
         let asked = self.ask_for_picture(&ctx, refine);
         self.schedule(&ctx, is_idle);
+        if let Some(time) = self.keep_preferences(&ctx) {
+            ctx.request_repaint_after(time);
+        }
         self.set_title(&ctx);
         let is_settled = was_stage_idle && is_idle && !asked && self.is_at_rest();
         self.report_state(&ctx, is_settled);
@@ -169,6 +213,7 @@ impl App {
         for finished in self.tasks.take_finished() {
             match finished {
                 Finished::Loaded(loaded, place) => {
+                    self.remembered.note_loaded(&loaded, place);
                     let arrival = arrive(
                         &mut self.session,
                         &mut self.shown_batch,
@@ -177,9 +222,11 @@ impl App {
                         &mut self.log,
                     );
                     if arrival == Arrival::First {
-                        self.move_camera(CameraMove::Frame);
+                        self.remembered.leave_session();
+                        self.frame_new_scene();
                     }
                 }
+                Finished::Session(opened) => self.take_over(*opened),
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
@@ -208,13 +255,33 @@ impl App {
             return;
         };
         self.tell_of_bad_plugins(&rows);
+        let are_first = self.rows.renderers.is_empty();
         self.rows = rows;
+        self.told_keys_of = None;
+        if are_first {
+            self.tell_of_missing_renderers();
+        }
         if self.rows.renderer(&self.session.renderer).is_none()
             && let Some(first) = self.rows.first_suitable()
         {
             self.session.renderer = first.id.clone();
         }
         self.asking.invalidate();
+    }
+
+    /// Says once, when a renderer is chosen, which of the keys that it suggests it does not get.
+    fn tell_of_conflicting_keys(&mut self) {
+        if self.told_keys_of.as_ref() == Some(&self.session.renderer) {
+            return;
+        }
+        let Some(row) = self.rows.renderer(&self.session.renderer) else {
+            return;
+        };
+        let now = Instant::now();
+        for sentence in actions::conflicts(row) {
+            self.log.say(Severity::Warning, sentence, now);
+        }
+        self.told_keys_of = Some(self.session.renderer.clone());
     }
 
     /// Says once which plugins the program goes without, and why.
@@ -247,12 +314,23 @@ impl App {
         let Some(result) = self.stage.take_new_picture() else {
             return self.is_preparing() && self.last_turn.elapsed() >= PROGRESS_PERIOD;
         };
-        self.last_turn = Instant::now();
+        self.last_turn = now;
+        let is_by_main = result.drawn_by == self.session.renderer;
+        let takes_over = is_by_main && self.roles.main_is_there(now);
         let was = self.shown.as_ref().map(|shown| shown.drawn_by.clone());
         if was.as_ref() != Some(&result.drawn_by) {
             tracing::info!("drawn by {}", result.drawn_by);
+            self.pacer.forget();
         }
-        self.picture.set(ctx, &result.picture);
+        let transition = if takes_over && self.session.pacing.cross_fade {
+            Transition::CrossFade
+        } else {
+            Transition::Cut
+        };
+        self.picture.set(ctx, &result.picture, transition, now);
+        self.frame_times.note(result.stats.total, now);
+        self.inspector.learn(&result);
+        self.learn_pace(&result);
         let refine = result.progress < 1.0 && result.preparing.is_none();
         self.shown = Some(result);
         refine
@@ -264,35 +342,96 @@ impl App {
             .is_some_and(|shown| shown.preparing.is_some())
     }
 
+    /// Learns from a picture of something that moved how large the next one may be.
+    fn learn_pace(&mut self, result: &FrameResult) {
+        let is_of_moving = self
+            .asking
+            .last_wish()
+            .is_some_and(|wish| wish.interaction != Interaction::STILL);
+        let Some(viewport) = self.viewport.filter(|_| is_of_moving) else {
+            return;
+        };
+        if result.preparing.is_none() {
+            let scale = result.picture.size_px[1] as f32 / viewport.size_px[1] as f32;
+            self.pacer
+                .took(&self.session.pacing, result.stats.total, scale);
+        }
+    }
+
     /// Asks for the next picture if one is needed, and says whether it was.
     fn ask_for_picture(&mut self, ctx: &Context, refine: bool) -> bool {
-        let Some(ViewportAnswer {
+        let now = Instant::now();
+        let Some(wish) = self.wish(ctx, now) else {
+            return false;
+        };
+        let look = Look::new(&self.session, wish);
+        if !self.asking.is_due(&look, refine) {
+            return false;
+        }
+        if !self.asking.is_urgent()
+            && let Some(wait) = self.pacer.wait(&self.session.pacing, now)
+        {
+            if wait != Duration::MAX {
+                ctx.request_repaint_after(wait);
+            }
+            return false;
+        }
+        self.last_turn = now;
+        self.pacer.asked(now);
+        let request = self.asking.request(look, &self.session);
+        self.stage.submit(request);
+        true
+    }
+
+    /// Who is to draw now, how large, and what for; `None` before the viewport has a size and renderers are known.
+    fn wish(&mut self, ctx: &Context, now: Instant) -> Option<Wish> {
+        let ViewportAnswer {
             size_px,
             interaction,
             ..
-        }) = self.viewport
-        else {
-            return false;
-        };
+        } = self.viewport?;
         if interaction == Interaction::MOVING {
             // The pass after the last move asks for the still picture.
             ctx.request_repaint();
         }
-        // A renderer that cannot draw this scene stays chosen, and another one stands in; its row says why.
-        let chosen = self.rows.renderer(&self.session.renderer);
-        let drawing = chosen
-            .filter(|row| row.obstacle.is_none())
-            .or_else(|| self.rows.first_suitable());
-        let request = drawing.and_then(|row| {
-            self.asking
-                .next(&self.session, &row.id, size_px, interaction, refine)
-        });
-        let Some(request) = request else {
-            return false;
+        let is_pressed = ctx.input(|input| input.pointer.any_down());
+        let role = self
+            .roles
+            .choose(&self.session, interaction, is_pressed, now);
+        let suitable = |id: &str| {
+            let row = self.rows.renderer(id);
+            row.filter(|row| row.obstacle.is_none())
         };
-        self.last_turn = Instant::now();
-        self.stage.submit(request);
-        true
+        let preview = self.session.preview.as_deref().and_then(suitable);
+        let preview = preview.filter(|_| role == Role::Preview);
+        // A renderer that cannot draw this scene stays chosen, and another one stands in; its row says why.
+        let row = preview
+            .or_else(|| suitable(&self.session.renderer))
+            .or_else(|| self.rows.first_suitable())?;
+        let role = preview.map_or(Role::Main, |_| role);
+        // Between two moves a picture that is cheap to draw stays cheap.
+        let pauses = self.roles.is_moving()
+            && (role == Role::Preview || self.session.pacing.target_rate.is_some());
+        let is_moving = interaction != Interaction::STILL || pauses;
+        Some(Wish {
+            renderer: row.id.clone(),
+            role,
+            size_px: if is_moving {
+                self.pacer.moving_size(&self.session.pacing, size_px)
+            } else {
+                size_px
+            },
+            interaction: match interaction {
+                Interaction::STILL if pauses => Interaction::HELD,
+                other => other,
+            },
+            read_back: if is_moving {
+                Vec::new()
+            } else {
+                self.inspector
+                    .read_back(self.panels.inspector, self.targets())
+            },
+        })
     }
 
     /// Asks for the next pass only where something will have changed by then.
@@ -304,8 +443,17 @@ impl App {
         if !self.tasks.open().is_empty() || self.is_preparing() {
             ctx.request_repaint_after(PROGRESS_PERIOD);
         }
-        if let Some(time) = self.log.next_change(Instant::now()) {
+        let now = Instant::now();
+        let changes = [
+            self.log.next_change(now),
+            self.roles.next_change(now),
+            self.frame_times.next_change(now),
+        ];
+        if let Some(time) = changes.into_iter().flatten().min() {
             ctx.request_repaint_after(time);
+        }
+        if self.picture.is_fading() {
+            ctx.request_repaint();
         }
     }
 
@@ -315,7 +463,11 @@ impl App {
         let is_still = |viewport: ViewportAnswer| viewport.interaction == Interaction::STILL;
         self.shown.as_deref().is_some_and(is_final)
             && self.viewport.is_some_and(is_still)
+            && !self.navigator.is_moving()
             && self.tasks.open().is_empty()
+            && !self.roles.is_under_way()
+            && !self.pacer.is_waiting()
+            && !self.picture.is_fading()
     }
 
     /// Names the scene in the window's title, as the system's list of windows shows it.
@@ -325,15 +477,6 @@ impl App {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
-    }
-
-    /// Moves the camera in the scene and viewport that are shown.
-    pub(super) fn move_camera(&mut self, camera_move: CameraMove) {
-        let bounds = self.session.scene.bounds_world();
-        let aspect = self.viewport.map_or(1.5, |viewport| {
-            f64::from(viewport.size_px[0]) / f64::from(viewport.size_px[1])
-        });
-        camera_move.apply(&mut self.session.camera, &bounds, aspect);
     }
 }
 

@@ -18,6 +18,7 @@ const LIMIT: Duration = Duration::from_mins(1);
 /// Four surfels with normals, facing +z.
 pub(super) const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n";
 
+/// An empty window.
 pub(super) fn window() -> Harness<'static, App> {
     let options = StageOptions {
         use_device: false,

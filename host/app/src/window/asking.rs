@@ -6,18 +6,32 @@ use pointstage_scene::{Camera, Lights, Revision};
 
 use super::session::{Session, ViewOptions};
 
+/// Who is to draw, how large, and what for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wish {
+    /// The renderer's id.
+    pub(crate) renderer: String,
+    /// Whether it stands in or stays.
+    pub(crate) role: Role,
+    /// Size of the picture, px.
+    pub(crate) size_px: [u32; 2],
+    /// What the user does.
+    pub(crate) interaction: Interaction,
+    /// Targets whose values are wanted beside the picture.
+    pub(crate) read_back: Vec<String>,
+}
+
 /// All that a picture depends on, comparable: the same look needs no new picture.
 #[derive(Clone, Debug, PartialEq)]
-struct Look {
+pub(crate) struct Look {
     scene: Revision,
     camera: Camera,
     lights: Lights,
-    size_px: [u32; 2],
-    renderer: String,
     structure: Option<String>,
     settings: SettingValues,
+    structure_settings: SettingValues,
     view: ViewOptions,
-    interaction: Interaction,
+    wish: Wish,
 }
 
 /// Remembers what was asked for last.
@@ -39,58 +53,82 @@ impl Asking {
         self.is_stale = true;
     }
 
-    /// The request for the next picture by `renderer`, if one is needed: something changed, an action was pressed, or a picture has just
-    /// arrived that was not the final one of its look (`refine`).
-    pub(crate) fn next(
-        &mut self,
-        session: &Session,
-        renderer: &str,
-        size_px: [u32; 2],
-        interaction: Interaction,
-        refine: bool,
-    ) -> Option<FrameRequest> {
-        let look = Look {
-            scene: session.scene.revision(),
-            camera: session.camera,
-            lights: session.lights.clone(),
-            size_px,
-            renderer: renderer.to_owned(),
-            structure: session.structure.clone(),
-            settings: session.settings_of(renderer),
-            view: session.view.clone(),
-            interaction,
-        };
-        let is_new = self.last.as_ref() != Some(&look);
-        if !is_new && !self.is_stale && !refine && self.pressed.is_empty() {
-            return None;
-        }
+    /// Whether the next picture is wanted whatever the limit on the rate says.
+    pub(crate) fn is_urgent(&self) -> bool {
+        self.is_stale || self.last.is_none()
+    }
+
+    /// What was asked for last.
+    pub(crate) fn last_wish(&self) -> Option<&Wish> {
+        self.last.as_ref().map(|look| &look.wish)
+    }
+
+    /// Whether a picture is needed: something changed, an action was pressed, or a picture has just arrived that was not the
+    /// final one of its look (`refine`).
+    pub(crate) fn is_due(&self, look: &Look, refine: bool) -> bool {
+        let is_new = self.last.as_ref() != Some(look);
+        is_new || self.is_stale || refine || !self.pressed.is_empty()
+    }
+
+    /// The request for a picture of this look, which counts as asked for from now on.
+    pub(crate) fn request(&mut self, look: Look, session: &Session) -> FrameRequest {
         self.is_stale = false;
         let request = look.request(session, std::mem::take(&mut self.pressed));
         self.last = Some(look);
-        Some(request)
+        request
     }
 }
 
 impl Look {
+    /// The session as `wish` would have it drawn.
+    pub(crate) fn new(session: &Session, wish: Wish) -> Self {
+        Self {
+            scene: session.scene.revision(),
+            camera: session.camera,
+            lights: session.lights.clone(),
+            structure: session.structure.clone(),
+            settings: session.settings_of(&wish.renderer),
+            structure_settings: session
+                .structure
+                .as_ref()
+                .map_or_else(SettingValues::new, |structure| {
+                    session.settings_of(structure)
+                }),
+            view: session.view.clone(),
+            wish,
+        }
+    }
+
     fn request(&self, session: &Session, actions: Vec<String>) -> FrameRequest {
+        let Self {
+            lights,
+            structure,
+            settings,
+            structure_settings,
+            view,
+            wish,
+            ..
+        } = self;
         FrameRequest {
-            lights: self.lights.clone(),
-            structure: self.structure.clone(),
-            settings: self.settings.clone(),
+            lights: lights.clone(),
+            structure: structure.clone(),
+            settings: settings.clone(),
+            structure_settings: structure_settings.clone(),
             actions,
-            show: self.view.show.clone(),
-            background: self.view.background,
-            exposure: self.view.exposure,
-            radius_scale: self.view.radius_scale,
-            interaction: self.interaction,
+            read_back: wish.read_back.clone(),
+            show: view.show.clone(),
+            background: view.background,
+            exposure: view.exposure,
+            radius_scale: view.radius_scale,
+            interaction: wish.interaction,
             purpose: Purpose::INTERACTIVE,
-            role: Role::Main,
+            role: wish.role,
             patience: Patience::DrawMeanwhile,
             ..FrameRequest::still(
                 session.scene.clone(),
                 self.camera,
-                self.size_px,
-                &*self.renderer,
+                wish.size_px,
+                &*wish.renderer,
             )
         }
     }
@@ -100,67 +138,85 @@ impl Look {
 mod tests {
     use super::*;
 
-    const SIZE: [u32; 2] = [4, 3];
+    fn session() -> Session {
+        Session::new("points".into())
+    }
+
+    fn wish(interaction: Interaction) -> Wish {
+        Wish {
+            renderer: "points".into(),
+            role: Role::Main,
+            size_px: [4, 3],
+            interaction,
+            read_back: Vec::new(),
+        }
+    }
+
+    /// The request for the session's picture, if one is due.
+    fn ask(
+        asking: &mut Asking,
+        session: &Session,
+        interaction: Interaction,
+        refine: bool,
+    ) -> Option<FrameRequest> {
+        let look = Look::new(session, wish(interaction));
+        let is_due = asking.is_due(&look, refine);
+        is_due.then(|| asking.request(look, session))
+    }
 
     #[test]
     fn nothing_is_asked_for_twice() {
-        let (mut asking, mut session) = (Asking::default(), Session::new("points".into()));
-        let mut ask = |session: &Session| {
-            asking
-                .next(session, "points", SIZE, Interaction::STILL, false)
-                .is_some()
-        };
-        assert!(ask(&session), "the first look is new");
-        assert!(!ask(&session), "nothing changed");
+        let (mut asking, mut session) = (Asking::default(), session());
+        let mut is_asked =
+            |session: &Session| ask(&mut asking, session, Interaction::STILL, false).is_some();
+        assert!(is_asked(&session), "the first look is new");
+        assert!(!is_asked(&session), "nothing changed");
         session.view.exposure = 2.0;
-        assert!(ask(&session), "the exposure changed");
+        assert!(is_asked(&session), "the exposure changed");
         session.edit_scene(|_| ());
-        assert!(!ask(&session), "an edit that adds nothing changes nothing");
+        assert!(
+            !is_asked(&session),
+            "an edit that adds nothing changes nothing"
+        );
     }
 
     #[test]
     fn an_action_is_told_once() {
-        let (mut asking, session) = (Asking::default(), Session::new("points".into()));
+        let (mut asking, session) = (Asking::default(), session());
         asking.press("rebuild".into());
-        let request = asking.next(&session, "points", SIZE, Interaction::STILL, false);
+        let request = ask(&mut asking, &session, Interaction::STILL, false);
         assert_eq!(
             request.map(|request| request.actions),
             Some(vec!["rebuild".to_owned()])
         );
-        assert!(
-            asking
-                .next(&session, "points", SIZE, Interaction::STILL, false)
-                .is_none()
-        );
+        assert!(ask(&mut asking, &session, Interaction::STILL, false).is_none());
     }
 
     #[test]
     fn a_picture_that_refines_is_asked_for_again() {
-        let (mut asking, session) = (Asking::default(), Session::new("points".into()));
-        assert!(
-            asking
-                .next(&session, "points", SIZE, Interaction::STILL, false)
-                .is_some()
-        );
-        assert!(
-            asking
-                .next(&session, "points", SIZE, Interaction::STILL, true)
-                .is_some()
-        );
+        let (mut asking, session) = (Asking::default(), session());
+        assert!(ask(&mut asking, &session, Interaction::STILL, false).is_some());
+        assert!(ask(&mut asking, &session, Interaction::STILL, true).is_some());
     }
 
     #[test]
     fn letting_go_of_the_camera_asks_for_the_still_picture() {
-        let (mut asking, session) = (Asking::default(), Session::new("points".into()));
-        assert!(
-            asking
-                .next(&session, "points", SIZE, Interaction::MOVING, false)
-                .is_some()
-        );
-        let request = asking.next(&session, "points", SIZE, Interaction::STILL, false);
+        let (mut asking, session) = (Asking::default(), session());
+        assert!(ask(&mut asking, &session, Interaction::MOVING, false).is_some());
+        let request = ask(&mut asking, &session, Interaction::STILL, false);
         assert_eq!(
             request.map(|request| request.interaction),
             Some(Interaction::STILL)
         );
+    }
+
+    #[test]
+    fn the_first_picture_and_one_asked_for_by_hand_are_urgent() {
+        let (mut asking, session) = (Asking::default(), session());
+        assert!(asking.is_urgent());
+        ask(&mut asking, &session, Interaction::STILL, false);
+        assert!(!asking.is_urgent());
+        asking.invalidate();
+        assert!(asking.is_urgent());
     }
 }

@@ -1,44 +1,60 @@
 //! Ways to name files: the system's dialog on a thread of its own, and a field to type a path.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::{Align2, Context, Key, TextEdit, Window};
 
-use super::intent::{FileIntent, Intents, OpenMode};
+use super::intent::{FileIntent, Intents, OpenMode, Overwrite};
+use crate::session_file::SUFFIX;
+
+/// What a file is named for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// Files to open.
+    Open(OpenMode),
+    /// The file that a session is saved to; the dialog starts with this one.
+    Save(PathBuf),
+}
 
 /// A system dialog that is open.
 pub(crate) struct FileDialog {
     answer: Receiver<Vec<PathBuf>>,
-    mode: OpenMode,
+    asked: Asked,
 }
 
 impl FileDialog {
     /// Opens the system's dialog; `wake` is called from its thread once it closes.
-    pub(crate) fn open(mode: OpenMode, wake: Arc<dyn Fn() + Send + Sync>) -> std::io::Result<Self> {
+    pub(crate) fn open(asked: Asked, wake: Arc<dyn Fn() + Send + Sync>) -> std::io::Result<Self> {
         let (sender, answer) = channel();
+        let question = asked.clone();
         std::thread::Builder::new()
             .name("pointstage-dialog".to_owned())
             .spawn(move || {
-                let chosen = rfd::FileDialog::new()
-                    .set_title("Open surfels or a mesh")
-                    .add_filter("PLY", &["ply", "PLY"])
-                    .add_filter("All files", &["*"])
-                    .pick_files();
                 // Nobody listens when the window has closed meanwhile.
-                let _ = sender.send(chosen.unwrap_or_default());
+                let _ = sender.send(ask_system(&question));
                 wake();
             })?;
-        Ok(Self { answer, mode })
+        Ok(Self { answer, asked })
     }
 
     /// Pushes what was chosen, once. True while the dialog is open.
     pub(crate) fn poll(&self, out: &mut Intents) -> bool {
         match self.answer.try_recv() {
-            Ok(files) => {
-                if !files.is_empty() {
-                    out.push(FileIntent::Open(files, self.mode));
+            Ok(mut files) => {
+                match &self.asked {
+                    Asked::Open(mode) if !files.is_empty() => {
+                        out.push(FileIntent::Open(files, *mode));
+                    }
+                    Asked::Open(_) => {}
+                    Asked::Save(_) => {
+                        // The system's dialog has asked about a file that is there.
+                        if let Some(path) = files.pop() {
+                            let path = session_path(path);
+                            out.push(FileIntent::SaveSession(path, Overwrite::Agreed));
+                        }
+                    }
                 }
                 false
             }
@@ -48,21 +64,79 @@ impl FileDialog {
     }
 }
 
+/// Shows the system's dialog and waits for its answer; nothing chosen gives no path.
+fn ask_system(asked: &Asked) -> Vec<PathBuf> {
+    let dialog = rfd::FileDialog::new();
+    match asked {
+        Asked::Open(_) => dialog
+            .set_title("Open surfels, a mesh or a session")
+            .add_filter(
+                "What Pointstage opens",
+                &["ply", "PLY", "toml", "png", "exr"],
+            )
+            .add_filter("Surfels and meshes", &["ply", "PLY"])
+            .add_filter("Sessions", &["toml", "png", "exr"])
+            .add_filter("All files", &["*"])
+            .pick_files()
+            .unwrap_or_default(),
+        Asked::Save(path) => {
+            let mut dialog = dialog
+                .set_title("Save session")
+                .add_filter("Sessions", &["toml"]);
+            if let Some(folder) = path.parent() {
+                dialog = dialog.set_directory(folder);
+            }
+            if let Some(name) = path.file_name() {
+                dialog = dialog.set_file_name(name.to_string_lossy());
+            }
+            dialog.save_file().into_iter().collect()
+        }
+    }
+}
+
 /// The field for a typed path.
 #[derive(Debug)]
 pub(crate) struct PathField {
     text: String,
-    mode: OpenMode,
+    purpose: Purpose,
     has_been_focused: bool,
 }
 
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Purpose {
+    Open(OpenMode),
+    /// Save a session. The file named here is there, and may be replaced once the user says it again.
+    Save {
+        replaces: Option<PathBuf>,
+    },
+}
+
 impl PathField {
-    /// An empty field.
-    pub(crate) fn new(mode: OpenMode) -> Self {
+    /// An empty field for a file to open.
+    pub(crate) fn open(mode: OpenMode) -> Self {
         Self {
             text: String::new(),
-            mode,
+            purpose: Purpose::Open(mode),
             has_been_focused: false,
+        }
+    }
+
+    /// A field for the file that a session is saved to.
+    pub(crate) fn save(suggested: &Path) -> Self {
+        Self {
+            text: suggested.display().to_string(),
+            purpose: Purpose::Save { replaces: None },
+            has_been_focused: false,
+        }
+    }
+
+    /// The same, after it was found that `path` is there.
+    pub(crate) fn replace(path: &Path) -> Self {
+        Self {
+            purpose: Purpose::Save {
+                replaces: Some(path.to_path_buf()),
+            },
+            ..Self::save(path)
         }
     }
 
@@ -70,9 +144,10 @@ impl PathField {
     pub(crate) fn ui(&mut self, ctx: &Context, out: &mut Intents) -> bool {
         let mut is_open = true;
         let mut is_done = ctx.input(|input| input.key_pressed(Key::Escape));
-        let title = match self.mode {
-            OpenMode::Replace => "Open path",
-            OpenMode::Add => "Add path to scene",
+        let (title, label, act) = match self.purpose {
+            Purpose::Open(OpenMode::Replace) => ("Open path", "Path of a PLY file:", "Open"),
+            Purpose::Open(OpenMode::Add) => ("Add path to scene", "Path of a PLY file:", "Open"),
+            Purpose::Save { .. } => ("Save session", "Path of the session file:", "Save"),
         };
         Window::new(title)
             .open(&mut is_open)
@@ -80,30 +155,67 @@ impl PathField {
             .resizable(false)
             .collapsible(false)
             .show(ctx, |ui| {
-                let label = ui.label("Path of a PLY file:");
+                let label = ui.label(label);
                 let field = TextEdit::singleline(&mut self.text)
-                    .desired_width(420.0)
+                    .desired_width(420.0_f32.min(ctx.content_rect().width() - 60.0))
                     .hint_text("/home/me/scan.ply");
                 let response = ui.add(field).labelled_by(label.id);
                 if !self.has_been_focused {
                     response.request_focus();
                     self.has_been_focused = true;
                 }
+                self.note_ui(ui);
                 let is_entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 ui.horizontal(|ui| {
                     let has_text = !self.text.trim().is_empty();
-                    let is_pressed = ui
-                        .add_enabled(has_text, egui::Button::new("Open"))
-                        .clicked();
+                    let is_pressed = ui.add_enabled(has_text, egui::Button::new(act)).clicked();
                     if has_text && (is_entered || is_pressed) {
-                        out.push(FileIntent::Open(vec![typed_path(&self.text)], self.mode));
+                        out.push(self.answer());
+                        is_done = true;
+                    }
+                    if matches!(self.purpose, Purpose::Save { .. })
+                        && ui.button("Browse…").clicked()
+                    {
+                        out.push(FileIntent::ChooseSessionFile(typed_path(&self.text)));
                         is_done = true;
                     }
                     is_done |= ui.button("Close").clicked();
                 });
             });
         is_open && !is_done
+    }
+
+    /// What saving would replace.
+    fn note_ui(&self, ui: &mut egui::Ui) {
+        if let Purpose::Save {
+            replaces: Some(path),
+        } = &self.purpose
+            && session_path(typed_path(&self.text)) == *path
+        {
+            let name = path.file_name().unwrap_or(path.as_os_str());
+            ui.label(format!(
+                "{} is there already. Save replaces it.",
+                name.to_string_lossy()
+            ));
+        }
+    }
+
+    /// What the typed path asks for.
+    fn answer(&self) -> FileIntent {
+        let path = typed_path(&self.text);
+        match &self.purpose {
+            Purpose::Open(mode) => FileIntent::Open(vec![path], *mode),
+            Purpose::Save { replaces } => {
+                let path = session_path(path);
+                let overwrite = if replaces.as_ref() == Some(&path) {
+                    Overwrite::Agreed
+                } else {
+                    Overwrite::Ask
+                };
+                FileIntent::SaveSession(path, overwrite)
+            }
+        }
     }
 }
 
@@ -120,6 +232,20 @@ pub(crate) fn typed_path(text: &str) -> PathBuf {
     PathBuf::from(text)
 }
 
+/// The path of a session file, absolute; a name that does not end in `.toml` gets the ending of sessions.
+fn session_path(path: PathBuf) -> PathBuf {
+    let path = std::path::absolute(&path).unwrap_or(path);
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "toml")
+    {
+        return path;
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(SUFFIX);
+    path.with_file_name(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,5 +255,29 @@ mod tests {
         for text in ["/a b.ply", " /a b.ply\n", "\"/a b.ply\"", "file:///a b.ply"] {
             assert_eq!(typed_path(text), PathBuf::from("/a b.ply"), "{text:?}");
         }
+    }
+
+    #[test]
+    fn a_session_s_name_gets_its_ending() {
+        for (typed, expected) in [
+            ("/a/work", "/a/work.pointstage.toml"),
+            ("/a/work.v2", "/a/work.v2.pointstage.toml"),
+            ("/a/work.toml", "/a/work.toml"),
+            ("/a/work.pointstage.toml", "/a/work.pointstage.toml"),
+        ] {
+            assert_eq!(session_path(typed.into()), PathBuf::from(expected));
+        }
+    }
+
+    #[test]
+    fn a_file_is_replaced_when_the_user_says_so_twice() {
+        let path = Path::new("/a/work.toml");
+        let saved = |overwrite| FileIntent::SaveSession(path.to_path_buf(), overwrite);
+        assert_eq!(PathField::save(path).answer(), saved(Overwrite::Ask));
+        let mut field = PathField::replace(path);
+        assert_eq!(field.answer(), saved(Overwrite::Agreed));
+        field.text = "/a/other.toml".to_owned();
+        let other = FileIntent::SaveSession("/a/other.toml".into(), Overwrite::Ask);
+        assert_eq!(field.answer(), other);
     }
 }

@@ -1,27 +1,37 @@
 //! Where the parts of the window stand, and what each of them shows of the session.
 
+use std::time::Instant;
+
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
-use pointstage_engine::stage::Show;
+use pointstage_engine::stage::{Background, SettingValues, Show};
 
 use super::actions::Action;
 use super::app::App;
-use super::intent::{Intents, Tab};
+use super::facts::facts_at;
+use super::gizmo::{Gizmo, gizmo_ui};
+use super::inspector::{self, pixel_at};
+use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
 use super::save_image::{SaveFacts, SaveImage};
-use super::settings::{self, lighting, plugins, renderer, scene, view};
+use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
-use super::status::{Status, status_ui};
-use super::viewport::{Viewport, viewport_ui};
-use super::{help, legend, progress, toasts, welcome};
+use super::status::{Numbers, Status, status_ui};
+use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
+use super::{help, legend, presets, progress, theme, toasts, welcome};
 
 impl App {
     /// All parts around the picture, the picture, and what lies over it.
     pub(super) fn show(&mut self, ui: &mut Ui, actions: &[Action], out: &mut Intents) {
         Panel::top("menu").show(ui, |ui| menu_ui(ui, actions, out));
         let (adapter, no_device) = (self.stage.adapter(), self.stage.no_device());
+        let numbers = self.numbers();
         Panel::bottom("status").show(ui, |ui| {
-            status_ui(ui, &self.status(&adapter, no_device.as_deref()), out);
+            status_ui(
+                ui,
+                &self.status(&adapter, no_device.as_deref(), numbers),
+                out,
+            );
         });
         if self.panels.log {
             Panel::bottom("log")
@@ -36,16 +46,43 @@ impl App {
                 .min_size(240.0)
                 .show(ui, |ui| self.settings_ui(ui, out));
         }
+        let layers = self.picture.layers(Instant::now());
         let viewport = Viewport {
-            picture: self.picture.id(),
-            is_transparent: self.picture.is_transparent(),
+            layers: &layers,
+            background: self.shown_background(),
+            navigation: &self.session.navigation,
+            is_moving: self.navigator.is_moving(),
         };
         let answer = CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| viewport_ui(ui, &viewport, out))
+            .show(ui, |ui| {
+                let answer = viewport_ui(ui, &viewport, out);
+                if self.session.navigation.gizmo {
+                    gizmo_ui(ui, answer.rect, &self.gizmo(), out);
+                }
+                answer
+            })
             .inner;
         self.viewport = Some(answer);
+        self.inspect_ui(ui.ctx(), answer, out);
         self.show_over(ui.ctx(), answer.rect, actions, out);
+    }
+
+    fn gizmo(&self) -> Gizmo<'_> {
+        Gizmo {
+            camera: &self.session.camera,
+            lights: &self.session.lights,
+            up: self.navigator.level_axis(),
+        }
+    }
+
+    /// What shows where the picture does not reach or is see-through.
+    fn shown_background(&self) -> Background {
+        if self.picture.is_transparent() {
+            Background::Transparent
+        } else {
+            self.session.view.background
+        }
     }
 
     /// What lies over the picture: legend, welcome, toasts, dialogs.
@@ -58,7 +95,12 @@ impl App {
     ) {
         let is_empty = self.session.scene.objects().is_empty();
         if is_empty && self.tasks.open().is_empty() {
-            welcome::welcome_ui(ctx, over, &self.samples, out);
+            let welcome = welcome::Welcome {
+                samples: &self.samples,
+                recent: self.remembered.recent.paths(),
+                missing: &self.remembered.missing,
+            };
+            welcome::welcome_ui(ctx, over, &welcome, out);
         }
         if self.session.view.show != Show::Colours
             && !is_empty
@@ -67,9 +109,12 @@ impl App {
         {
             legend::legend_ui(ctx, over, &legend);
         }
-        progress::progress_ui(ctx, over, self.tasks.open(), out);
+        let rows = self.long_work();
+        progress::progress_ui(ctx, over, &rows, out);
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
+        let renderer = self.rows.renderer(&self.session.renderer);
+        self.palette.ui(ctx, actions, renderer, out);
         if self.panels.keys {
             help::keys_ui(ctx, actions, out);
         }
@@ -95,9 +140,62 @@ impl App {
         {
             self.path_field = None;
         }
+        theme::focus_frame_ui(ctx, self.viewport.map(|viewport| viewport.id));
     }
 
-    fn status<'a>(&'a self, adapter: &'a str, no_device: Option<&'a str>) -> Status<'a> {
+    /// What is under the pointer, and what a click asks about it.
+    fn inspect_ui(&mut self, ctx: &Context, answer: ViewportAnswer, out: &mut Intents) {
+        let Some(shown) = self.shown.clone() else {
+            return;
+        };
+        let pixel = |at| pixel_at(at, answer.rect, answer.size_px, &shown);
+        if let Some((at, clicks)) = answer.clicked_at
+            && let Some(pixel) = pixel(at)
+        {
+            out.push(match clicks {
+                Clicks::One => InspectIntent::Pin(pixel),
+                Clicks::Two => InspectIntent::PivotOn(pixel),
+            });
+        }
+        let hovered = answer.hovered_at.and_then(pixel);
+        let facts = hovered.and_then(|pixel| facts_at(&shown, &self.session.scene, pixel, 0));
+        if let Some(facts) = &facts
+            && !self.inspector.is_pinned()
+        {
+            inspector::hover_ui(ctx, answer.rect, facts);
+        }
+        if self.panels.inspector {
+            let inspector = &self.inspector;
+            inspector::inspector_ui(ctx, answer.rect, inspector, facts.as_ref(), out);
+        }
+    }
+
+    /// What runs or waits.
+    fn long_work(&mut self) -> Vec<progress::Row> {
+        let preparing = self
+            .shown
+            .as_ref()
+            .and_then(|shown| shown.preparing.as_ref());
+        let preparing = preparing.map(|preparing| (preparing, self.rows.title(&preparing.id)));
+        self.progress
+            .rows(self.tasks.open(), preparing, Instant::now())
+    }
+
+    /// What the status bar measures over some time.
+    fn numbers(&mut self) -> Numbers {
+        let now = Instant::now();
+        Numbers {
+            frames: self.frame_times.summary(now),
+            resident_bytes: self.memory.resident_bytes(now),
+        }
+    }
+
+    fn status<'a>(
+        &'a self,
+        adapter: &'a str,
+        no_device: Option<&'a str>,
+        numbers: Numbers,
+    ) -> Status<'a> {
         let shown = self.shown.as_deref();
         let drawn_by = shown.map(|shown| {
             let row = self.rows.renderer(&shown.drawn_by);
@@ -105,6 +203,9 @@ impl App {
         });
         Status {
             stats: shown.map(|shown| &shown.stats),
+            numbers,
+            hand_over: self.roles.hand_over(),
+            preview_held: self.roles.is_held() && self.session.preview.is_some(),
             drawn_by,
             preparing: shown.and_then(|shown| shown.preparing.as_ref()),
             refining: shown
@@ -117,32 +218,61 @@ impl App {
     }
 
     /// The settings panel with its chosen tab.
-    fn settings_ui(&self, ui: &mut Ui, out: &mut Intents) {
+    fn settings_ui(&mut self, ui: &mut Ui, out: &mut Intents) {
+        let focus = self.focus_setting.take();
         let session = &self.session;
         settings::tabs_ui(ui, self.panels.tab, out);
         match self.panels.tab {
             Tab::Renderer => {
+                let structure = session.structure.as_deref();
                 let tab = renderer::RendererTab {
-                    renderers: &self.rows.renderers,
-                    structures: &self.rows.structures,
+                    rows: &self.rows,
                     chosen: &session.renderer,
+                    preview: session.preview.as_deref(),
                     chosen_structure: session.structure.as_deref(),
                     drawn_by: self.shown.as_ref().map(|shown| shown.drawn_by.as_str()),
                     values: &session.chosen_settings(),
+                    structure_values: &structure
+                        .map_or_else(SettingValues::new, |id| session.settings_of(id)),
+                    presets: &presets::list(session, &session.renderer),
+                    focus: focus.as_deref(),
                 };
                 renderer::renderer_ui(ui, &tab, out);
             }
-            Tab::Lighting => lighting::lighting_ui(ui, &session.lights, out),
+            Tab::Lighting => {
+                let tab = lighting::LightingTab {
+                    lights: &session.lights,
+                    scene: &session.scene,
+                    material: session.material,
+                };
+                lighting::lighting_ui(ui, &tab, out);
+            }
             Tab::View => {
+                let range = self.shown.as_ref().and_then(|shown| shown.shown_range);
+                let legend = legend_of(&session.view.show, range);
                 let tab = view::ViewTab {
                     view: &session.view,
-                    camera: &session.camera,
+                    pacing: session.pacing,
+                    camera: camera::CameraTab {
+                        camera: &session.camera,
+                        near: session.near,
+                        bounds: session.scene.bounds_world(),
+                        options: &session.navigation,
+                    },
+                    views: &session.views,
                     targets: self.targets(),
+                    legend: legend.as_ref(),
                 };
                 view::view_ui(ui, &tab, out);
             }
             Tab::Scene => scene::scene_ui(ui, &session.scene, &session.warnings, out),
-            Tab::Plugins => plugins::plugins_ui(ui, &self.rows.plugins, out),
+            Tab::Plugins => {
+                let tab = plugins::PluginsTab {
+                    rows: &self.rows,
+                    holdings: &self.stage.holdings(),
+                };
+                plugins::plugins_ui(ui, &tab, out);
+            }
         }
     }
 

@@ -35,18 +35,24 @@ pub(crate) fn legend_ui(ctx: &Context, over: Rect, legend: &Legend) {
         .show(ctx, |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(RAMP_WIDTH.max(over.width() * 0.5));
-                ui.label(&legend.title);
-                match &legend.scale {
-                    Scale::Ramp(stops) => ramp_ui(ui, stops),
-                    Scale::Categories(categories) => categories_ui(ui, categories),
-                    Scale::None => {}
-                }
+                content_ui(ui, legend);
             });
         });
 }
 
+/// The legend's title and colours, wherever they are shown.
+pub(crate) fn content_ui(ui: &mut Ui, legend: &Legend) {
+    ui.label(&legend.title);
+    match &legend.scale {
+        Scale::Ramp(stops) => ramp_ui(ui, stops),
+        Scale::Categories(categories) => categories_ui(ui, categories),
+        Scale::None => {}
+    }
+}
+
 fn ramp_ui(ui: &mut Ui, stops: &[Stop]) {
-    let (rect, _) = ui.allocate_exact_size(vec2(RAMP_WIDTH, 14.0), Sense::hover());
+    let width = RAMP_WIDTH.min(ui.available_width());
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 14.0), Sense::hover());
     let mut mesh = egui::Mesh::default();
     for stop in stops {
         let x = rect.left() + rect.width() * stop.position;
@@ -58,7 +64,7 @@ fn ramp_ui(ui: &mut Ui, stops: &[Stop]) {
         mesh.add_triangle(2 * pair + 1, 2 * pair + 3, 2 * pair + 2);
     }
     ui.painter().add(mesh);
-    let (labels, _) = ui.allocate_exact_size(vec2(RAMP_WIDTH, 14.0), Sense::hover());
+    let (labels, _) = ui.allocate_exact_size(vec2(width, 14.0), Sense::hover());
     for stop in stops.iter().filter(|stop| !stop.label.is_empty()) {
         let x = labels.left() + labels.width() * stop.position;
         let align = if stop.position < 0.25 {

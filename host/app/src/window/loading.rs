@@ -10,6 +10,7 @@ use pointstage_scene::{
 use super::intent::{OpenMode, SceneIntent};
 use super::log::{Log, Offer};
 use super::session::Session;
+use super::session_link::OpenedSession;
 use super::tasks::guarded;
 use crate::output::export::Saved;
 
@@ -31,6 +32,8 @@ pub(crate) enum Place {
 pub(crate) enum Finished {
     /// An object.
     Loaded(Box<Loaded>, Place),
+    /// A session with its objects.
+    Session(Box<OpenedSession>),
     /// Stopped by the user.
     Cancelled(String),
     /// An image in a file, and its size, px.

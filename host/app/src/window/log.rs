@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use pointstage_engine::stage::{Notice, Severity};
 
-use super::intent::{Intent, Intents, SceneIntent, WindowIntent};
+use super::intent::{Intent, Intents, WindowIntent};
 
 /// The most entries kept; the oldest go first.
 const MOST: usize = 500;
@@ -277,6 +277,7 @@ fn entry_ui(ui: &mut egui::Ui, entry: &Entry, out: &mut Intents) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::intent::SceneIntent;
 
     #[test]
     fn the_same_message_is_counted_not_repeated() {

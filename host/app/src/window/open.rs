@@ -12,6 +12,7 @@ use super::stage_link::StageLink;
 use super::theme;
 use super::ui_state::UiState;
 use crate::cli::{Failure, Globals, Outcome};
+use crate::preferences;
 
 /// Size of a new window, points: fits a small laptop's screen.
 const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];
@@ -19,6 +20,7 @@ const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];
 /// Opens the window with `files`; returns when it is closed.
 pub(crate) fn open(globals: &Globals, files: Vec<PathBuf>) -> Outcome {
     let state_folder = globals.state_folder();
+    let preferences = preferences::open(&state_folder);
     let options = NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("Pointstage")
@@ -41,12 +43,13 @@ pub(crate) fn open(globals: &Globals, files: Vec<PathBuf>) -> Outcome {
         }
         let repaint = context.egui_ctx.clone();
         let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(move || repaint.request_repaint());
-        let app = App::new(Start {
+        let mut app = App::new(Start {
             stage: StageLink::start(stage_options, &wake)?,
             wake,
             files,
             samples: samples(),
         })?;
+        app.remember(preferences)?;
         tracing::info!("window opened");
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };

@@ -1,14 +1,17 @@
 //! What the panels show about renderers and plugins: made from the engine's registry, read by the UI functions.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use pointstage_engine::plugins::{
-    PluginFile, PluginInfo, Remedy, Suitability, VerdictClass, suitability,
+    FoundIn, PluginFile, PluginInfo, Remedy, Suitability, VerdictClass, suitability,
 };
-use pointstage_engine::stage::{FALLBACK_ID, Notice, Severity, Stage};
+use pointstage_engine::stage::{FALLBACK_ID, Notice, PluginHoldings, Severity, Stage};
 use pointstage_plugin_api::manifest::PluginEntry;
 use pointstage_plugin_api::settings_schema::SettingSchema;
 use pointstage_scene::Scene;
+
+use super::recommend::{self, Candidate, Has, Recommendation};
 
 /// All rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,14 +22,32 @@ pub(crate) struct Rows {
     pub(crate) structures: Vec<RendererRow>,
     /// Every plugin file found.
     pub(crate) plugins: Vec<PluginRow>,
+    /// Every folder that is searched for plugins.
+    pub(crate) folders: Vec<FolderRow>,
     /// Plugins in which earlier sessions ended, as sentences.
     pub(crate) culprits: Vec<String>,
+    /// The renderer that suits the scene best, if there is a scene.
+    pub(crate) recommended: Option<Recommendation>,
+    /// The renderer that suits moving pictures of the scene best.
+    pub(crate) recommended_preview: Option<Recommendation>,
 }
 
 impl Rows {
     /// The renderer of this id.
     pub(crate) fn renderer(&self, id: &str) -> Option<&RendererRow> {
         self.renderers.iter().find(|row| row.id == id)
+    }
+
+    /// The structure of this id.
+    pub(crate) fn structure(&self, id: &str) -> Option<&RendererRow> {
+        self.structures.iter().find(|row| row.id == id)
+    }
+
+    /// The name for people of a renderer or structure; its id if it is not there.
+    pub(crate) fn title<'a>(&'a self, id: &'a str) -> &'a str {
+        let mut rows = self.renderers.iter().chain(&self.structures);
+        rows.find(|row| row.id == id)
+            .map_or(id, |row| row.title.as_str())
     }
 
     /// The renderer that a new window chooses: the first that can draw.
@@ -76,11 +97,55 @@ pub(crate) struct PluginRow {
     pub(crate) detail: String,
     /// Facts by name: API, hash, time to examine.
     pub(crate) facts: Vec<(String, String)>,
+    /// Versions of the plugins in it, and of the border.
+    pub(crate) versions: String,
+    /// Where it was found, in a few words.
+    pub(crate) found_in: String,
+    /// How long it took to load; none if it is not loaded.
+    pub(crate) load_time: Option<Duration>,
+    /// Ids of the plugins in it.
+    pub(crate) ids: Vec<String>,
     /// Whether trying again makes sense.
     pub(crate) can_retry: bool,
 }
 
+/// A folder that is searched for plugins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct FolderRow {
+    /// The folder.
+    pub(crate) path: PathBuf,
+    /// Why it is searched.
+    pub(crate) origin: String,
+    /// Whether the user added it.
+    pub(crate) is_removable: bool,
+}
+
 impl PluginRow {
+    /// Version, interface, origin, time to load and memory: the line below the title.
+    pub(crate) fn in_short(&self, holdings: &[PluginHoldings]) -> String {
+        let mut parts = Vec::new();
+        if !self.versions.is_empty() {
+            parts.push(self.versions.clone());
+        }
+        parts.push(self.found_in.clone());
+        if let Some(time) = self.load_time {
+            parts.push(format!("loaded in {:.0} ms", time.as_secs_f64() * 1e3));
+        } else {
+            parts.push("not loaded".to_owned());
+        }
+        let own = holdings.iter().filter(|held| self.ids.contains(&held.id));
+        let (handles, bytes) = own.fold((0, 0), |(handles, bytes), held| {
+            (handles + held.handle_count, bytes + held.bytes)
+        });
+        if handles > 0 {
+            let megabytes = bytes as f64 / 1e6;
+            parts.push(format!(
+                "holds {megabytes:.1} MB in {handles} objects on the device"
+            ));
+        }
+        parts.join(", ")
+    }
+
     /// The verdict as a message: the program goes on without the plugin.
     pub(crate) fn notice(&self) -> Notice {
         Notice {
@@ -103,8 +168,21 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
         obstacle: obstacle(&suitability(&info.entry.needs, scene, device)),
         settings: info.entry.settings.clone(),
     };
-    let mut renderers: Vec<RendererRow> =
-        registry.renderers().iter().map(|info| row(info)).collect();
+    let found = registry.renderers();
+    let mut renderers: Vec<RendererRow> = found.iter().map(|info| row(info)).collect();
+    let candidates: Vec<Candidate<'_>> = found
+        .iter()
+        .zip(&renderers)
+        .map(|(info, row)| Candidate {
+            id: &info.id,
+            needs: &info.entry.needs,
+            gives: &info.entry.gives,
+            is_suitable: row.obstacle.is_none(),
+        })
+        .collect();
+    let has = Has::of(scene);
+    let recommended = recommend::main(&candidates, has);
+    let recommended_preview = recommend::preview(&candidates, has);
     renderers.push(RendererRow {
         id: FALLBACK_ID.to_owned(),
         title: "Built-in fallback (CPU)".to_owned(),
@@ -116,11 +194,18 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
         renderers,
         structures: registry.structures().iter().map(|info| row(info)).collect(),
         plugins: registry.files().iter().map(plugin_row).collect(),
+        folders: stage
+            .plugin_folders()
+            .iter()
+            .map(|path| folder_row(path))
+            .collect(),
         culprits: registry
             .culprits()
             .iter()
             .map(ToString::to_string)
             .collect(),
+        recommended,
+        recommended_preview,
     }
 }
 
@@ -165,11 +250,9 @@ fn plugin_row(file: &PluginFile) -> PluginRow {
         verdict,
         ..
     } = file;
-    let titles: Vec<&str> = manifest
-        .iter()
-        .flat_map(|manifest| &manifest.plugins)
-        .map(|plugin| plugin.title.as_str())
-        .collect();
+    let manifests = manifest.iter();
+    let plugins: Vec<&PluginEntry> = manifests.flat_map(|manifest| &manifest.plugins).collect();
+    let titles: Vec<&str> = plugins.iter().map(|plugin| plugin.title.as_str()).collect();
     let title = if titles.is_empty() {
         path.file_name()
             .unwrap_or(path.as_os_str())
@@ -190,7 +273,29 @@ fn plugin_row(file: &PluginFile) -> PluginRow {
         message: verdict.message.clone(),
         detail: verdict.detail.clone(),
         facts: facts(file),
+        versions: versions(file),
+        found_in: file.found_in.in_words().to_owned(),
+        load_time: file.load_time(),
+        ids: plugins.iter().map(|plugin| plugin.id.clone()).collect(),
         can_retry: !verdict.is_usable(),
+    }
+}
+
+/// `0.1.0, API 1.0`; each version once.
+fn versions(file: &PluginFile) -> String {
+    let plugins = file.manifest.iter().flat_map(|manifest| &manifest.plugins);
+    let mut versions: Vec<String> = plugins.map(|plugin| plugin.version.clone()).collect();
+    versions.dedup();
+    versions.extend(file.api.as_ref().map(|api| format!("API {api}")));
+    versions.join(", ")
+}
+
+fn folder_row(path: &Path) -> FolderRow {
+    let origin = FoundIn::folder(path);
+    FolderRow {
+        path: path.to_owned(),
+        origin: origin.in_words().to_owned(),
+        is_removable: matches!(origin, FoundIn::Folder(_)),
     }
 }
 
@@ -206,6 +311,9 @@ fn facts(file: &PluginFile) -> Vec<(String, String)> {
         if !manifest.citation.is_empty() {
             add("Citation", manifest.citation.clone());
         }
+    }
+    if let Some(folder) = file.found_in.path() {
+        add("Found in", folder.display().to_string());
     }
     if let Some(api) = &file.api {
         add("API", api.clone());

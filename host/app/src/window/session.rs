@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pointstage_engine::stage::{Background, SettingValues, Show};
-use pointstage_scene::{Camera, Lights, Material, ObjectId, Scene, Warnings};
+use pointstage_scene::{Camera, Lights, Material, NearClipping, ObjectId, Scene, Warnings};
 
+use super::navigation::NavigationOptions;
 use super::pacing::Pacing;
-use super::presets::Presets;
+use super::presets::{ActivePresets, Presets};
 use super::views::StoredViews;
 
 /// All that a picture depends on, and what the user chose for renderers that are not chosen now.
@@ -19,6 +20,10 @@ pub(crate) struct Session {
     pub(crate) warnings: BTreeMap<ObjectId, Warnings>,
     /// The eye.
     pub(crate) camera: Camera,
+    /// What decides where the camera's near plane stands.
+    pub(crate) near: NearClipping,
+    /// How the camera answers to pointer and keys.
+    pub(crate) navigation: NavigationOptions,
     /// The lights.
     pub(crate) lights: Lights,
     /// The material of objects that come.
@@ -33,6 +38,8 @@ pub(crate) struct Session {
     pub(crate) settings: BTreeMap<String, SettingValues>,
     /// Values under names.
     pub(crate) presets: Presets,
+    /// Which of them the values come from.
+    pub(crate) active_presets: ActivePresets,
     /// How the picture is shown.
     pub(crate) view: ViewOptions,
     /// How often it is drawn.
@@ -76,6 +83,8 @@ impl Session {
             scene: Arc::new(Scene::new()),
             warnings: BTreeMap::new(),
             camera: Camera::default(),
+            near: NearClipping::default(),
+            navigation: NavigationOptions::default(),
             lights: Lights::default(),
             material: Material::default(),
             renderer,
@@ -83,6 +92,7 @@ impl Session {
             structure: None,
             settings: BTreeMap::new(),
             presets: Presets::new(),
+            active_presets: ActivePresets::new(),
             view: ViewOptions::default(),
             pacing: Pacing::default(),
             views: StoredViews::default(),

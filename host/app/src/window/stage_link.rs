@@ -1,14 +1,14 @@
 //! The window's side of the stage: requests go out, pictures, notices and lists come back. Nothing here waits.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use pointstage_engine::frame::legend::{Legend, legend};
 use pointstage_engine::frame::targets::{TargetSpec, host_target_spec};
 use pointstage_engine::stage::{
-    Adapter, FrameRequest, FrameResult, Notice, Severity, Show, Stage, StageOptions, StageThread,
+    Adapter, FrameRequest, FrameResult, Notice, PluginHoldings, Severity, Show, Stage,
+    StageOptions, StageThread,
 };
 use pointstage_plugin_api::abi::Format;
 use pointstage_scene::Scene;
@@ -20,6 +20,8 @@ pub(crate) struct StageLink {
     thread: StageThread,
     taken: Option<Arc<FrameResult>>,
     rows: (Sender<Rows>, Receiver<Rows>),
+    /// What went wrong on errands.
+    failures: (Sender<String>, Receiver<String>),
     /// Lists asked for that have not come yet.
     awaited_rows: usize,
 }
@@ -42,6 +44,7 @@ impl StageLink {
             thread: StageThread::spawn(options, move || wake())?,
             taken: None,
             rows: channel(),
+            failures: channel(),
             awaited_rows: 0,
         })
     }
@@ -86,12 +89,17 @@ impl StageLink {
     /// Messages since the last call.
     pub(crate) fn take_notices(&self) -> Vec<Notice> {
         let mut notices = self.thread.take_notices();
-        notices.extend(self.thread.take_error().map(|text| Notice {
-            severity: Severity::Error,
-            plugin: String::new(),
-            text,
-            detail: String::new(),
-        }));
+        let failures = self.thread.take_error().into_iter();
+        notices.extend(
+            failures
+                .chain(self.failures.1.try_iter())
+                .map(|text| Notice {
+                    severity: Severity::Error,
+                    plugin: String::new(),
+                    text,
+                    detail: String::new(),
+                }),
+        );
         notices
     }
 
@@ -112,13 +120,37 @@ impl StageLink {
         answers.pop()
     }
 
-    /// Examines a plugin file again, whatever came of it before, and lists anew.
-    pub(crate) fn retry_plugin(&mut self, path: PathBuf, scene: Arc<Scene>) {
+    /// Does something about plugin files on the stage's thread, tells what went wrong, and lists anew.
+    pub(crate) fn manage_plugins<E: std::error::Error + 'static>(
+        &mut self,
+        scene: Arc<Scene>,
+        act: impl FnOnce(&mut Stage) -> Result<(), E> + Send + 'static,
+    ) {
+        let failures = self.failures.0.clone();
         self.thread.errand(move |stage| {
-            stage.registry().retry(&path);
-            stage.rescan();
+            if let Err(error) = act(stage) {
+                // The window has closed when nobody listens.
+                let _ = failures.send(error.to_string());
+            }
         });
         self.ask_for_rows(scene);
+    }
+
+    /// What plugins in use hold on the device.
+    pub(crate) fn holdings(&self) -> Vec<PluginHoldings> {
+        self.thread.status().holdings
+    }
+
+    /// Stops the preparation of a renderer or structure.
+    pub(crate) fn cancel_preparation(&self, id: String) {
+        self.thread.errand(move |stage| {
+            stage.cancel_preparation(&id);
+        });
+    }
+
+    /// Lets a renderer or structure that was cancelled or failed be prepared again.
+    pub(crate) fn prepare_again(&self, id: String) {
+        self.thread.errand(move |stage| stage.retry(&id));
     }
 
     /// Destroys the graphics device as a driver's crash would; the next picture is drawn with a new one.

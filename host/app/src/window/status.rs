@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use egui::{Align, Label, Layout, RichText, Ui};
 use pointstage_engine::stage::{FrameStats, Preparing, Severity};
+use pointstage_plugin_api::statistics::TRIANGLES_DRAWN;
 
+use super::frame_times::FrameSummary;
 use super::intent::{Intents, Part, WindowIntent};
 use super::log::Log;
 use super::theme;
@@ -16,6 +18,12 @@ const LEAST_ADAPTER_WIDTH: f32 = 60.0;
 pub(crate) struct Status<'a> {
     /// Of the last picture.
     pub(crate) stats: Option<&'a FrameStats>,
+    /// What is measured over some time.
+    pub(crate) numbers: Numbers,
+    /// How long the main renderer last took to take over from the preview.
+    pub(crate) hand_over: Option<Duration>,
+    /// Whether the preview was called by hand.
+    pub(crate) preview_held: bool,
     /// The renderer that drew it, by title.
     pub(crate) drawn_by: Option<&'a str>,
     /// A renderer that is being prepared.
@@ -28,6 +36,15 @@ pub(crate) struct Status<'a> {
     pub(crate) no_device: Option<&'a str>,
     /// Messages.
     pub(crate) log: &'a Log,
+}
+
+/// What is measured over some time.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Numbers {
+    /// Of the last two seconds.
+    pub(crate) frames: Option<FrameSummary>,
+    /// Bytes of the program in memory.
+    pub(crate) resident_bytes: Option<u64>,
 }
 
 /// The bar: counts and times on the left, the adapter and the log on the right.
@@ -50,7 +67,11 @@ pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
 /// The picture's numbers, and what is still under way.
 fn picture_ui(ui: &mut Ui, status: &Status<'_>) {
     if let Some(stats) = status.stats {
-        numbers_ui(ui, stats, status.drawn_by);
+        counts_ui(ui, stats, &status.numbers);
+        drawn_by_ui(ui, status);
+        times_ui(ui, stats, status.numbers.frames);
+        passes_ui(ui, stats);
+        counters_ui(ui, stats);
     } else {
         ui.weak("No picture yet");
     }
@@ -81,56 +102,106 @@ fn adapter_ui(ui: &mut Ui, status: &Status<'_>) {
     });
 }
 
-fn numbers_ui(ui: &mut Ui, stats: &FrameStats, drawn_by: Option<&str>) {
-    let counts = format!(
+/// Surfels and triangles, and the memory that they take.
+fn counts_ui(ui: &mut Ui, stats: &FrameStats, numbers: &Numbers) {
+    let mut counts = format!(
         "{} surfels, {} drawn",
         grouped(stats.surfels_in_scene),
         grouped(stats.surfels_selected)
     );
-    ui.label(counts).on_hover_text(format!(
-        "Scene: {} on the device\nRenderer: {} on the device",
+    if let Some(triangles) = stats.reported.get(TRIANGLES_DRAWN) {
+        counts = format!("{counts}, {} triangles", grouped(*triangles as u64));
+    }
+    ui.label(counts);
+    ui.separator();
+    let on_device = stats.scene_bytes + stats.plugin_bytes;
+    let memory = match numbers.resident_bytes {
+        Some(resident) => format!("{} + {}", bytes(resident), bytes(on_device)),
+        None => bytes(on_device),
+    };
+    let resident = numbers.resident_bytes.map_or_else(
+        || "The system does not say what the program holds.".to_owned(),
+        |resident| format!("Program: {}", bytes(resident)),
+    );
+    ui.label(memory).on_hover_text(format!(
+        "{resident}\nScene on the device: {}\nRenderer on the device: {}",
         bytes(stats.scene_bytes),
         bytes(stats.plugin_bytes)
     ));
-    if let Some(drawn_by) = drawn_by {
-        ui.separator();
+}
+
+/// Who drew the picture, and how long the main renderer took to take over.
+fn drawn_by_ui(ui: &mut Ui, status: &Status<'_>) {
+    let Some(drawn_by) = status.drawn_by else {
+        return;
+    };
+    ui.separator();
+    if status.preview_held {
+        ui.label(format!("{drawn_by} (preview, Space)"));
+    } else {
         ui.label(drawn_by);
     }
+    if let Some(hand_over) = status.hand_over {
+        ui.weak(format!("took over in {}", millis(hand_over)))
+            .on_hover_text("From the last move to the first picture of the main renderer.");
+    }
+}
+
+/// Time of the last picture; rate, median and 95th percentile of the last two seconds.
+fn times_ui(ui: &mut Ui, stats: &FrameStats, frames: Option<FrameSummary>) {
     ui.separator();
-    ui.label(format!("Frame {}", millis(stats.total)))
-        .on_hover_text(format!(
-            "Whole frame by wall clock.\nRenderer on the CPU: {}\nDevice, submission to completion: {}",
-            millis(stats.plugin_cpu),
-            millis(stats.device_wall)
-        ));
+    let mut text = format!("Frame {}", millis(stats.total));
+    let mut hover = format!(
+        "The last frame by wall clock.\nRenderer on the CPU: {}\nDevice, submission to completion: {}",
+        millis(stats.plugin_cpu),
+        millis(stats.device_wall)
+    );
+    if let Some(FrameSummary { median, p95, rate }) = frames {
+        let both = format!("median {}, p95 {}", millis(median), millis(p95));
+        text = match rate {
+            Some(rate) => format!("{rate:.0}/s, {both}"),
+            None => text,
+        };
+        hover = format!("Last two seconds: {both}.\n{hover}");
+    }
+    ui.label(text).on_hover_text(hover);
+}
+
+/// Time on the device, by pass on hover.
+fn passes_ui(ui: &mut Ui, stats: &FrameStats) {
     ui.separator();
     if stats.passes.is_empty() {
         ui.label("GPU –")
             .on_hover_text("The device has no timestamps, or no device drew.");
-    } else {
-        let sum = stats.passes.iter().map(|pass| pass.time).sum();
-        ui.label(format!("GPU {}", millis(sum))).on_hover_ui(|ui| {
-            egui::Grid::new("passes").num_columns(2).show(ui, |ui| {
-                for pass in &stats.passes {
-                    ui.label(&pass.label);
-                    ui.label(millis(pass.time));
-                    ui.end_row();
-                }
-            });
-        });
+        return;
     }
-    if !stats.reported.is_empty() {
-        ui.separator();
-        ui.weak("Counters").on_hover_ui(|ui| {
-            egui::Grid::new("counters").num_columns(2).show(ui, |ui| {
-                for (key, value) in &stats.reported {
-                    ui.label(key);
-                    ui.label(value.to_string());
-                    ui.end_row();
-                }
-            });
+    let sum = stats.passes.iter().map(|pass| pass.time).sum();
+    ui.label(format!("GPU {}", millis(sum))).on_hover_ui(|ui| {
+        egui::Grid::new("passes").num_columns(2).show(ui, |ui| {
+            for pass in &stats.passes {
+                ui.label(&pass.label);
+                ui.label(millis(pass.time));
+                ui.end_row();
+            }
         });
+    });
+}
+
+/// What the renderer counted, on hover.
+fn counters_ui(ui: &mut Ui, stats: &FrameStats) {
+    if stats.reported.is_empty() {
+        return;
     }
+    ui.separator();
+    ui.weak("Counters").on_hover_ui(|ui| {
+        egui::Grid::new("counters").num_columns(2).show(ui, |ui| {
+            for (key, value) in &stats.reported {
+                ui.label(key);
+                ui.label(value.to_string());
+                ui.end_row();
+            }
+        });
+    });
 }
 
 fn log_button_ui(ui: &mut Ui, log: &Log, out: &mut Intents) {

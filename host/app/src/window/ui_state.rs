@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
 use egui::{Context, Event, FullOutput, Plugin, RawInput};
+use pointstage_engine::stage;
 use pointstage_scene::ViewRecord;
 use serde_json::{Map, Value, json};
 
@@ -27,6 +28,8 @@ pub(crate) struct UiState {
     pointer_px: Option<[f32; 2]>,
     /// How often a button was released: a driver that moves on before its click was seen takes it along.
     release_count: u64,
+    /// Passes over the window so far: a window in which nothing changes makes none.
+    pass_count: u64,
     written: String,
 }
 
@@ -43,6 +46,7 @@ impl UiState {
             session: Value::Null,
             pointer_px: None,
             release_count: 0,
+            pass_count: 0,
             written: String::new(),
         }
     }
@@ -50,6 +54,7 @@ impl UiState {
     fn write(&mut self, tree: &TreeUpdate, pixels_per_point: f32) {
         let state = json!({
             "session": self.session,
+            "passes": self.pass_count,
             "pointer": { "at": self.pointer_px, "releases": self.release_count },
             "widgets": widgets(tree, f64::from(pixels_per_point)),
         });
@@ -78,6 +83,7 @@ impl Plugin for UiState {
     }
 
     fn output_hook(&mut self, ctx: &Context, output: &mut FullOutput) {
+        self.pass_count += 1;
         if let Some(tree) = output.platform_output.accesskit_update.take() {
             self.write(&tree, ctx.pixels_per_point());
             output.platform_output.accesskit_update = Some(tree);
@@ -152,6 +158,15 @@ impl App {
         });
     }
 
+    /// Which of the two chosen renderers was asked last, in a word.
+    fn role(&self) -> &'static str {
+        let wish = self.asking.last_wish();
+        match wish.map_or(stage::Role::Main, |wish| wish.role) {
+            stage::Role::Preview => "preview",
+            stage::Role::Main | stage::Role::Auxiliary => "main",
+        }
+    }
+
     fn state(&self, is_settled: bool) -> Value {
         let session = &self.session;
         let shown = self.shown.as_deref();
@@ -165,14 +180,37 @@ impl App {
             "renderer": session.renderer,
             "settings": session.chosen_settings(),
             "drawn_by": shown.map(|shown| &shown.drawn_by),
+            "preview": session.preview,
+            "role": self.role(),
+            "hand_over_ms": self.roles.hand_over().map(|time| time.as_secs_f64() * 1e3),
+            "picture_px": shown.map(|shown| shown.picture.size_px),
+            "pinned": self.inspector.pinned_surfel().map(|(object, surfel)| json!({
+                "object": object,
+                "surfel": surfel,
+            })),
             "preparing": preparing.map(|preparing| &preparing.id),
             "structure": session.structure,
+            "pacing": {
+                "rate_limit": session.pacing.rate_limit,
+                "target_rate": session.pacing.target_rate,
+            },
+            "preset": super::presets::list(session, &session.renderer).active,
+            "undo": self.history.next_undo(),
+            "redo": self.history.next_redo(),
             "objects": objects.map(|object| json!({
                 "name": object.name,
                 "surfels": object.geometry.surfel_count,
+                "selected": object.selected,
             })).collect::<Vec<_>>(),
             "view": ViewRecord::new(session.camera, size_px[0], size_px[1]),
             "lights": session.lights,
+            "flight": self.navigator.is_flight(),
+            "flying": self.is_flying(),
+            "turntable": session.navigation.turntable,
+            "views": {
+                "slots": session.views.slots.iter().map(Option::is_some).collect::<Vec<_>>(),
+                "named": session.views.named.iter().map(|view| &view.name).collect::<Vec<_>>(),
+            },
             "show": super::legend::title_of(&session.view.show),
             "tasks": tasks.map(|task| json!({
                 "title": task.title,
@@ -184,6 +222,10 @@ impl App {
                 "text": entry.notice.text,
             })).collect::<Vec<_>>(),
             "adapter": self.stage.adapter(),
+            "recent": self.remembered.recent.paths(),
+            "session_path": self.remembered.session_path,
+            "theme": self.remembered.appearance().0,
+            "text_scale": self.remembered.appearance().1,
         })
     }
 }

@@ -7,6 +7,8 @@
 //!
 //! Nothing is dithered: the same targets give the same bytes, every time and everywhere, which comparisons rely on.
 
+#[cfg(test)]
+mod colour_vision_tests;
 pub mod compose;
 pub mod compose_cpu;
 mod composition;

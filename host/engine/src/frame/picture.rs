@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 /// What is shown: the composed colours, or one target as it is, with a legend.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub enum Show {
@@ -12,8 +14,10 @@ pub enum Show {
     Target(String),
 }
 
-/// What lies behind the objects; sRGB, 0..1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What lies behind the objects; sRGB, 0..1. In files: `"transparent"`, `{ solid = [r, g, b] }` or
+/// `{ gradient = [[r, g, b], [r, g, b]] }`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Background {
     /// Nothing: the picture keeps its coverage as alpha.
     Transparent,

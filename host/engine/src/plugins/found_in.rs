@@ -20,7 +20,7 @@ pub enum FoundIn {
 
 impl FoundIn {
     /// What kind of folder this is.
-    pub(super) fn folder(folder: &Path) -> Self {
+    pub fn folder(folder: &Path) -> Self {
         let path = folder.to_owned();
         let same = |other: &PathBuf| *other == path;
         if user_folder().as_ref().is_some_and(same) {

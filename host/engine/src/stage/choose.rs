@@ -2,7 +2,7 @@
 
 use super::options::FrameError;
 use super::prepare::{Inputs, PrepareKey, Product, Slot, Standing, Wait};
-use super::request::{FrameRequest, Patience, Preparing, Severity};
+use super::request::{FrameRequest, Patience, Preparing, Role, Severity};
 use super::session::{Drawer, FALLBACK_ID, Instance, Selecting, Stage};
 use super::upload::Extra;
 use crate::plugins::{Act, HostInstance, PluginInfo, suitability};
@@ -83,13 +83,14 @@ impl Stage {
         ))
     }
 
-    /// The viewport's last good renderer, if it is another one and ready for this device.
+    /// The viewport's last good renderer, of this role or of the main one, if it is another one and ready for this device.
     pub(super) fn last_good(&mut self, request: &FrameRequest, but: &str) -> Option<Drawer> {
-        let id = self
-            .viewport(request)
-            .last_good
-            .clone()
-            .filter(|id| id != but)?;
+        let roles = [request.role, Role::Main];
+        let ids = roles.map(|role| {
+            let viewport = self.viewports.get(&(request.viewport, role));
+            viewport.and_then(|viewport| viewport.last_good.clone())
+        });
+        let id = ids.into_iter().flatten().find(|id| id != but)?;
         let ready = self.renderers.get(&id)?.slot.last_good()?.clone();
         let info = self.registry.find_renderer(&id).ok()?;
         (ready.key.device == self.generation()).then_some(Drawer::Plugin(info, ready))

@@ -97,7 +97,7 @@ fn pixels_per_unit(camera: &Camera, height_px: f64) -> f32 {
 fn light_uniforms(lights: &Lights, view_from_world: &DMat4) -> (u32, [LightUniform; 4]) {
     let mut uniforms = [LightUniform::default(); 4];
     let enabled = lights.enabled();
-    for (uniform, light) in uniforms.iter_mut().zip(enabled) {
+    for (uniform, light) in uniforms.iter_mut().zip(&enabled) {
         let position_view = match light.kind_view(view_from_world) {
             LightKind::Directional { towards } => towards.extend(0.0),
             LightKind::Point { position } => position.extend(1.0),

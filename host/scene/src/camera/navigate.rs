@@ -6,10 +6,10 @@ use super::{Camera, Projection};
 use crate::bounds::Bounds;
 
 /// The turntable stops this far from looking straight up or down, radians: 0.1°.
-const POLE_MARGIN_RAD: f64 = 0.001_745;
+pub(super) const POLE_MARGIN_RAD: f64 = 0.001_745;
 
 /// Near plane as a part of the distance to the pivot: with reversed depth in f32 a small one costs no precision.
-const NEAR_PER_DISTANCE: f64 = 1e-3;
+pub(super) const NEAR_PER_DISTANCE: f64 = 1e-3;
 
 /// Narrowest and widest angle of view that zooming reaches, radians: 0.5° and 140°.
 const FOV_RANGE_RAD: [f64; 2] = [0.008_727, 2.443];

@@ -327,9 +327,13 @@ mod tests {
             eye in proptest::array::uniform3(-1e7..1e7f64),
             pivot in proptest::array::uniform3(-1e7..1e7f64),
             fov in 0.01..3.0f64,
+            flat in proptest::option::of(1e-6..1e7f64),
             size in (1u32..4000, 1u32..4000),
         ) {
-            let projection = Projection::Perspective { fov_y_rad: fov };
+            let projection = flat.map_or(
+                Projection::Perspective { fov_y_rad: fov },
+                |height| Projection::Orthographic { height },
+            );
             let camera = Camera { eye: eye.into(), pivot: pivot.into(), projection, ..Camera::default() };
             let record = ViewRecord::new(camera, size.0, size.1);
             prop_assume!(record.checked().is_ok());

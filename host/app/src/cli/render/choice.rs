@@ -9,6 +9,7 @@ use pointstage_plugin_api::settings_schema::{SettingSchema, SettingValues, Value
 use pointstage_scene::{Scene, ViewRecord};
 
 use super::RenderArguments;
+use super::plan::Plan;
 use crate::cli::values::AovFormat;
 use crate::cli::{Failure, Outcome};
 
@@ -19,42 +20,59 @@ pub(super) struct Choice {
     structure: Option<Arc<PluginInfo>>,
     settings: SettingValues,
     structure_settings: SettingValues,
-    show: Show,
 }
 
 impl Choice {
-    /// Looks up what `arguments` name.
-    pub(super) fn new(stage: &Stage, arguments: &RenderArguments) -> Outcome<Self> {
+    /// Looks up what `arguments` and the session name. A plugin of the session that is not there is a warning: its picture
+    /// can be had with another one.
+    pub(super) fn new(stage: &Stage, arguments: &RenderArguments, plan: &Plan) -> Outcome<Self> {
         let registry = stage.registry();
-        let is_fallback = arguments
-            .renderer
-            .as_deref()
-            .is_some_and(|key| key == FALLBACK_ID || key == "fallback");
-        let renderer = match &arguments.renderer {
-            Some(key) if !is_fallback => {
-                Some(registry.find_renderer(key).map_err(Failure::usage_from)?)
-            }
-            _ => None,
+        let key = arguments.renderer.as_ref().or(plan.renderers.main.as_ref());
+        let is_fallback = key.is_some_and(|key| key == FALLBACK_ID || key == "fallback");
+        let renderer = match (&arguments.renderer, &plan.renderers.main) {
+            _ if is_fallback => None,
+            (Some(key), _) => Some(registry.find_renderer(key).map_err(Failure::usage_from)?),
+            (None, Some(key)) => registry
+                .find_renderer(key)
+                .map_err(|error| {
+                    plan.warn(&format!(
+                        "{error}; another renderer draws, --renderer chooses one"
+                    ));
+                })
+                .ok(),
+            (None, None) => None,
         };
-        let structure = match &arguments.structure {
-            Some(key) => Some(registry.find_structure(key).map_err(Failure::usage_from)?),
-            None => None,
+        let structure = match (&arguments.structure, &plan.renderers.structure) {
+            (Some(key), _) => Some(registry.find_structure(key).map_err(Failure::usage_from)?),
+            (None, Some(key)) => registry
+                .find_structure(key)
+                .map_err(|error| plan.warn(&format!("{error}; all surfels are drawn")))
+                .ok(),
+            (None, None) => None,
         };
         if renderer.is_none() && !is_fallback && !arguments.settings.is_empty() {
             return Err(Failure::usage(
                 "--set needs --renderer: settings belong to a renderer",
             ));
         }
+        if structure.is_none() && !arguments.structure_settings.is_empty() {
+            return Err(Failure::usage(
+                "--set-structure needs --structure: settings belong to a structure",
+            ));
+        }
         if let Some(info) = &renderer {
-            check_targets(info, arguments)?;
+            check_targets(info, arguments, &plan.look.show)?;
         }
         Ok(Self {
-            settings: values_of(renderer.as_deref(), &arguments.settings)?,
-            structure_settings: values_of(structure.as_deref(), &arguments.structure_settings)?,
+            settings: values_of(renderer.as_deref(), &arguments.settings, plan)?,
+            structure_settings: values_of(
+                structure.as_deref(),
+                &arguments.structure_settings,
+                plan,
+            )?,
             renderer,
             is_fallback,
             structure,
-            show: show_of(arguments),
         })
     }
 
@@ -83,6 +101,7 @@ impl Choice {
         view: &ViewRecord,
         renderer: String,
         arguments: &RenderArguments,
+        plan: &Plan,
     ) -> FrameRequest {
         let values = arguments
             .aovs
@@ -93,10 +112,11 @@ impl Choice {
             settings: self.settings.clone(),
             structure_settings: self.structure_settings.clone(),
             read_back: values.map(|aov| aov.key.clone()).collect(),
-            show: self.show.clone(),
-            background: arguments.background,
-            exposure: arguments.exposure,
-            radius_scale: arguments.radius_scale,
+            lights: plan.lights.clone(),
+            show: plan.look.show.clone(),
+            background: plan.look.background,
+            exposure: plan.look.exposure,
+            radius_scale: plan.look.radius_scale,
             ..FrameRequest::still(
                 scene.clone(),
                 view.camera(),
@@ -107,31 +127,40 @@ impl Choice {
     }
 }
 
-/// The values that `--set` gives, checked against the schema.
-fn values_of(info: Option<&PluginInfo>, given: &[(String, String)]) -> Outcome<SettingValues> {
+/// The session's values and those that `--set` gives, checked against the schema. A value of the session that does not fit is
+/// a warning: the plugin may have become another one since.
+fn values_of(
+    info: Option<&PluginInfo>,
+    given: &[(String, String)],
+    plan: &Plan,
+) -> Outcome<SettingValues> {
     let schema: &[SettingSchema] = info.map_or(&[], |info| &info.entry.settings);
+    let find = |id: &str| {
+        let setting = schema.iter().find(|setting| setting.id == id);
+        setting.ok_or_else(|| ValueError::unknown(id, schema))
+    };
     let mut values = SettingValues::new();
+    for (id, value) in info.into_iter().flat_map(|info| plan.settings_of(&info.id)) {
+        match find(id).and_then(|setting| setting.check(value)) {
+            Ok(value) => {
+                values.insert(id.clone(), value);
+            }
+            Err(error) => plan.warn(&format!("{error}; the default is taken")),
+        }
+    }
     for (id, text) in given {
-        let setting = schema
-            .iter()
-            .find(|setting| setting.id == *id)
-            .ok_or_else(|| Failure::usage_from(ValueError::unknown(id, schema)))?;
-        let value = setting.parse_text(text).map_err(Failure::usage_from)?;
-        values.insert(id.clone(), value);
+        let value = find(id).and_then(|setting| setting.parse_text(text));
+        values.insert(id.clone(), value.map_err(Failure::usage_from)?);
     }
     Ok(values)
 }
 
-/// What the picture shows.
-fn show_of(arguments: &RenderArguments) -> Show {
-    match arguments.show.as_str() {
-        "colours" | "colors" => Show::Colours,
-        key => Show::Target(key.to_owned()),
-    }
-}
-
 /// Refuses targets that the renderer does not write.
-pub(super) fn check_targets(info: &PluginInfo, arguments: &RenderArguments) -> Outcome {
+pub(super) fn check_targets(
+    info: &PluginInfo,
+    arguments: &RenderArguments,
+    show: &Show,
+) -> Outcome {
     let given: Vec<&str> = info
         .entry
         .gives
@@ -139,8 +168,7 @@ pub(super) fn check_targets(info: &PluginInfo, arguments: &RenderArguments) -> O
         .iter()
         .map(|target| target.key.as_str())
         .collect();
-    let show = show_of(arguments);
-    let shown = match &show {
+    let shown = match show {
         Show::Target(key) => Some(key),
         Show::Colours => None,
     };

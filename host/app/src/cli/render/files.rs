@@ -1,12 +1,13 @@
 //! Draws a view and writes its files.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use pointstage_engine::stage::{
     FrameError, FrameRequest, FrameResult, FrameStats, Notice, Severity, Show, Stage,
 };
-use pointstage_scene::{Job, ViewRecord};
+use pointstage_scene::{Job, ObjectId, ViewRecord, Warnings};
 use serde_json::{Value, json};
 
 use super::RenderArguments;
@@ -20,6 +21,8 @@ use crate::output::{exr_file, file_values, names, png_file, record, whole_file};
 pub(super) struct Place<'a> {
     /// The command line.
     pub(super) arguments: &'a RenderArguments,
+    /// What loading each object gave to say.
+    pub(super) warnings: &'a BTreeMap<ObjectId, Warnings>,
     /// Of this view.
     pub(super) index: usize,
     /// Of all views.
@@ -46,7 +49,7 @@ impl Place<'_> {
             return self.export(stage, view, request);
         }
         let result = draw_finished(stage, request)?;
-        let mut record = record_of(self.arguments, request);
+        let mut record = self.record_of(request);
         record::add_drawer(&mut record, stage, &result.drawn_by);
         let lacks = |key: &str| {
             let given = result.available_targets.iter().map(String::as_str);
@@ -96,13 +99,19 @@ impl Place<'_> {
     }
 
     /// Draws each file of a view by itself, in tiles where it is larger than what the device draws at once.
+    /// What the picture is made from, so that it can be made again.
+    fn record_of(&self, request: &FrameRequest) -> Value {
+        let out = self.file(&self.arguments.out);
+        record::of_frame(request, self.warnings, &out)
+    }
+
     fn export(
         &self,
         stage: &mut Stage,
         view: &ViewRecord,
         request: &FrameRequest,
     ) -> Outcome<Value> {
-        let record = record_of(self.arguments, request);
+        let record = self.record_of(request);
         let export = |path: &Path, show: Show, targets: Vec<String>| Export {
             path: self.file(path),
             format: Format::of(path).unwrap_or(Format::Png),
@@ -203,15 +212,6 @@ fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResu
             return Ok(result);
         }
     }
-}
-
-/// What a picture was made from, so that it can be made again.
-fn record_of(arguments: &RenderArguments, request: &FrameRequest) -> Value {
-    let mut record = record::of_frame(request);
-    if let Some(fields) = record.as_object_mut() {
-        fields.insert("loading".to_owned(), arguments.load.record());
-    }
-    record
 }
 
 fn stats_of(stats: &FrameStats) -> Value {

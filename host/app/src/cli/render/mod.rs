@@ -1,10 +1,11 @@
 //! `pointstage render`: files to pictures, without a window.
 //!
-//! What can be wrong with the command line is checked before a file is read ([`choice`]). Then the scene is loaded once,
-//! each view is drawn, and its files are written whole ([`files`]).
+//! A session file and the options that override it make a [`plan`]. What can be wrong with it is checked before a scene file
+//! is read ([`choice`]). Then the scene is loaded once, each view is drawn, and its files are written whole ([`files`]).
 
 mod choice;
 mod files;
+mod plan;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use std::sync::Arc;
 use clap::Args;
 use pointstage_engine::stage::{Background, Stage};
 use pointstage_plugin_api::nearest::{did_you_mean, nearest_names};
-use pointstage_scene::{Scene, ViewRecord, ViewRecordError, ViewSource, ViewSourceError};
+use pointstage_scene::{ViewRecordError, ViewSourceError};
 
 use super::load::LoadArguments;
 use super::values::{self, AovFile};
@@ -20,9 +21,7 @@ use super::{Failure, Globals, Outcome, named_plugins, write_out};
 use crate::output::whole_file;
 use choice::{Choice, check_targets};
 use files::Place;
-
-/// Size of a picture when neither `--size` nor the view says one, px.
-const DEFAULT_SIZE: [u32; 2] = [1280, 720];
+use plan::Plan;
 
 /// Arguments of `render`.
 #[derive(Debug, Args)]
@@ -33,6 +32,8 @@ Examples:
   pointstage render scan.ply --out scan.png --aov depth=depth.exr --aov normal=normal.png
   pointstage render a.ply b.ply --view orbit:8 --size 800x600 --out turn.png
   pointstage render scan.ply --view view.json --stats stats.json --out scan.png
+  pointstage render --session work.pointstage.toml --out work.png
+  pointstage render --session work.pointstage.toml --view front --renderer surfel --out front.png
   pointstage render scan.ply --size 20000x20000 --out poster.png
   pointstage render scan.ply --out scan.exr
 
@@ -42,12 +43,15 @@ nothing is), normals in view space, ids as whole numbers. PNG files show them as
 --out FILE.exr writes all targets that the renderer gives, as layers of one file.
 Images beyond the device's limit are drawn in tiles and look the same.
 Images carry the renderer, settings and view that made them, as JSON: PNG in the text chunk 'Pointstage', EXR in the
-attribute of that name.")]
+attribute of that name. --session takes such a PNG too, and draws it again.")]
 pub(crate) struct RenderArguments {
-    /// PLY files; each becomes an object
-    #[arg(value_name = "FILE", required = true)]
+    /// PLY files; each becomes an object [default: the session's]
+    #[arg(value_name = "FILE", required_unless_present = "session")]
     files: Vec<PathBuf>,
-    /// Renderer: an id, a short name, id@version or id#hash [default: the first that can draw]
+    /// Session that the window saved, or a picture of Pointstage; the other options override what it says
+    #[arg(long, value_name = "FILE.pointstage.toml")]
+    session: Option<PathBuf>,
+    /// Renderer: an id, a short name, id@version or id#hash [default: the session's, else the first that can draw]
     #[arg(long, value_name = "ID")]
     renderer: Option<String>,
     /// Structure that selects levels of detail
@@ -56,33 +60,35 @@ pub(crate) struct RenderArguments {
     /// Image to write: the picture (.png), or all targets (.exr)
     #[arg(long, value_name = "FILE", value_parser = values::image_path)]
     out: PathBuf,
-    /// Size of the image in pixels, each side up to 65536 [default: the view's, else 1280x720]
+    /// Size of the image in pixels, each side up to 65536 [default: the view's, else the session's, else 1280x720]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
-    /// Where to look from: a view FILE, or orbit:N for N views around the scene
-    #[arg(long, value_name = "FILE|orbit:N", default_value = "orbit:1")]
-    view: String,
+    /// Where to look from: a view FILE, orbit:N for N views around the scene, or the name or number of a view that the
+    /// session stores [default: the session's view, else orbit:1]
+    #[arg(long, value_name = "FILE|orbit:N|NAME")]
+    view: Option<String>,
     /// A setting of the renderer; may be given several times
     #[arg(long = "set", value_name = "ID=VALUE", value_parser = values::assignment)]
     settings: Vec<(String, String)>,
     /// A setting of the structure; may be given several times
-    #[arg(long = "set-structure", value_name = "ID=VALUE", value_parser = values::assignment, requires = "structure")]
+    #[arg(long = "set-structure", value_name = "ID=VALUE", value_parser = values::assignment)]
     structure_settings: Vec<(String, String)>,
     /// Another target to write, as values (.exr) or colours (.png); may be given several times
     #[arg(long = "aov", value_name = "KEY=FILE", value_parser = values::aov)]
     aovs: Vec<AovFile>,
-    /// What the picture shows: 'colours' or the key of a target
-    #[arg(long, value_name = "KEY", default_value = "colours")]
-    show: String,
-    /// What lies behind: 'transparent', '#rrggbb', or '#rrggbb,#rrggbb' from top to bottom
-    #[arg(long, value_name = "COLOUR", value_parser = values::background, default_value = "#4d545e,#171a1f")]
-    background: Background,
-    /// Factor on the colours
-    #[arg(long, value_name = "FACTOR", value_parser = values::factor, default_value = "1")]
-    exposure: f32,
-    /// Factor on every surfel's radius
-    #[arg(long, value_name = "FACTOR", value_parser = values::factor, default_value = "1")]
-    radius_scale: f32,
+    /// What the picture shows: 'colours' or the key of a target [default: the session's, else colours]
+    #[arg(long, value_name = "KEY")]
+    show: Option<String>,
+    /// What lies behind: 'transparent', '#rrggbb', or '#rrggbb,#rrggbb' from top to bottom [default: the session's, else
+    /// #4d545e,#171a1f]
+    #[arg(long, value_name = "COLOUR", value_parser = values::background)]
+    background: Option<Background>,
+    /// Factor on the colours [default: the session's, else 1]
+    #[arg(long, value_name = "FACTOR", value_parser = values::factor)]
+    exposure: Option<f32>,
+    /// Factor on every surfel's radius [default: the session's, else 1]
+    #[arg(long, value_name = "FACTOR", value_parser = values::factor)]
+    radius_scale: Option<f32>,
     /// Write times and counts of every view as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -96,21 +102,23 @@ pub(crate) struct RenderArguments {
 /// Draws and writes every view.
 pub(crate) fn run(globals: &Globals, arguments: &RenderArguments) -> Outcome {
     arguments.check_files()?;
-    let view_source = ViewSource::parse(&arguments.view, []).map_err(Failure::usage_from)?;
+    let plan = Plan::new(arguments)?;
     let mut stage = Stage::new(globals.stage_options())?;
     named_plugins::warn_of_unusable(&stage.registry(), globals);
-    let choice = Choice::new(&stage, arguments)?;
-    let scene = Arc::new(arguments.load.load_scene(&arguments.files)?);
+    let choice = Choice::new(&stage, arguments, &plan)?;
+    let (scene, warnings) = arguments.load.load_scene(&plan.files)?;
+    let scene = Arc::new(scene);
     let renderer = choice.renderer_for(&stage, &scene);
     if let Ok(info) = stage.registry().find_renderer(&renderer) {
-        check_targets(&info, arguments)?;
+        check_targets(&info, arguments, &plan.look.show)?;
     }
-    let views = arguments.views(&view_source, &scene)?;
+    let views = plan.views(&scene, arguments.size).map_err(view_failure)?;
     let mut written = Vec::new();
     for (index, view) in views.iter().enumerate() {
-        let request = choice.request(&scene, view, renderer.clone(), arguments);
+        let request = choice.request(&scene, view, renderer.clone(), arguments, &plan);
         let place = Place {
             arguments,
+            warnings: &warnings,
             index,
             count: views.len(),
         };
@@ -144,20 +152,6 @@ impl RenderArguments {
             }
         }
         Ok(())
-    }
-
-    /// The views, in the size that was asked for.
-    fn views(&self, source: &ViewSource, scene: &Scene) -> Outcome<Vec<ViewRecord>> {
-        let size_px = self.size.unwrap_or(DEFAULT_SIZE);
-        let mut views = source
-            .resolve(&scene.bounds_world(), size_px, &[])
-            .map_err(view_failure)?;
-        if let Some([width, height]) = self.size {
-            for view in &mut views {
-                (view.width, view.height) = (width, height);
-            }
-        }
-        Ok(views)
     }
 }
 

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use pointstage_engine::frame::targets::{COLOUR, DEPTH, PlaneFormat, TargetSpec};
 use pointstage_engine::stage::{
-    Background, FALLBACK_ID, FrameRequest, FrameResult, FrameStats, Notice, PassTime,
-    Patience, Role, Show, Stage, ViewportId,
+    Background, FALLBACK_ID, FrameRequest, FrameResult, FrameStats, Notice, PassTime, Patience,
+    Role, Show, Stage, ViewportId,
 };
 use pointstage_scene::{Job, ViewRecord};
 

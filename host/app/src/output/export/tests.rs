@@ -55,7 +55,7 @@ fn export(path: &Path, frame: FrameRequest, most_tile_px: u32) -> Export {
     Export {
         path: path.to_owned(),
         format: Format::of(path).expect("png or exr"),
-        record: record::of_frame(&frame),
+        record: record::of_frame(&frame, &BTreeMap::new(), path),
         frame,
         targets: Vec::new(),
         most_tile_px,

@@ -4,7 +4,7 @@ use egui::{Key, Modifiers};
 
 use super::{Action, Menu, Place};
 use crate::window::app::App;
-use crate::window::intent::{Part, PluginsIntent, WindowIntent};
+use crate::window::intent::{FileIntent, Part, PluginsIntent, WindowIntent};
 
 pub(super) fn actions(_app: &App) -> Vec<Action> {
     let place = Place::new(Menu::Help, 0);
@@ -22,6 +22,12 @@ pub(super) fn actions(_app: &App) -> Vec<Action> {
             "About",
             place,
             WindowIntent::Toggle(Part::About),
+        ),
+        Action::new(
+            "help.bug_report",
+            "Copy bug report",
+            place,
+            FileIntent::CopyBugReport,
         ),
         Action::new(
             "help.lose_device",

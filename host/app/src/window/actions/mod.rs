@@ -3,12 +3,15 @@
 //! [`all`] asks the providers, one file a menu, for their rows; a row's order in the table is its order in the menu. What
 //! cannot be done now is there too, with the reason.
 
+mod camera;
 mod edit;
 mod file;
 mod help;
 mod keys;
+mod own_keys;
 mod renderer;
 mod view;
+mod views;
 mod window;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -16,7 +19,9 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use super::app::App;
 use super::intent::Intent;
 
+pub(crate) use file::title_of_recent;
 pub(crate) use keys::{read_keys, shortcut_text};
+pub(crate) use own_keys::conflicts;
 
 /// Ctrl (⌘ on a Mac) with Shift.
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
@@ -78,6 +83,12 @@ impl Menu {
         (Self::Window, "Window"),
         (Self::Help, "Help"),
     ];
+
+    /// Its name in the bar.
+    pub(crate) fn name(self) -> &'static str {
+        let found = Self::ALL.iter().find(|(menu, _)| *menu == self);
+        found.map_or("", |(_, name)| name)
+    }
 }
 
 /// Keys that are pressed together, and where they count.
@@ -170,6 +181,8 @@ impl Place {
 pub(crate) fn all(app: &App) -> Vec<Action> {
     let mut actions = file::actions(app);
     actions.extend(edit::actions(app));
+    actions.extend(camera::actions(app));
+    actions.extend(views::actions(app));
     actions.extend(view::actions(app));
     actions.extend(renderer::actions(app));
     actions.extend(window::actions(app));
@@ -179,5 +192,11 @@ pub(crate) fn all(app: &App) -> Vec<Action> {
 
 /// Gestures with the mouse and keys that are held, with what they do, for Help.
 pub(crate) fn gestures() -> Vec<(&'static str, &'static str)> {
-    [view::GESTURES, file::GESTURES, window::GESTURES].concat()
+    [
+        camera::GESTURES,
+        view::GESTURES,
+        file::GESTURES,
+        window::GESTURES,
+    ]
+    .concat()
 }

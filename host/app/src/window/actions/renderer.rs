@@ -1,6 +1,8 @@
 //! The *Renderer* menu: which renderer draws.
 
-use super::{Action, Menu, Place};
+use egui::{Key, Modifiers};
+
+use super::{Action, Menu, Place, Scope, own_keys};
 use crate::window::app::App;
 use crate::window::intent::{RendererIntent, Tab, WindowIntent};
 
@@ -26,6 +28,21 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
             .unless(reason)
         })
         .collect();
+    let no_preview = app.session.preview.is_none();
+    actions.push(
+        Action::new(
+            "renderer.toggle_preview",
+            "Show the preview renderer",
+            more,
+            RendererIntent::TogglePreview,
+        )
+        .keys_in(Scope::OnPicture, Modifiers::NONE, Key::Space)
+        .on(app.roles.is_held())
+        .unless(no_preview.then(|| "no preview renderer is chosen".to_owned())),
+    );
+    if let Some(row) = app.rows.renderer(&app.session.renderer) {
+        actions.extend(own_keys::actions(row, &app.session.chosen_settings()));
+    }
     actions.push(Action::new(
         "renderer.settings",
         "Settings…",

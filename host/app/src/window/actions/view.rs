@@ -1,27 +1,25 @@
-//! The *View* menu: camera, views, what is shown.
+//! The *View* menu: what is shown.
 
 use egui::{Key, Modifiers};
 use pointstage_engine::stage::Show;
 
-use super::{Action, Menu, Place};
+use super::{Action, Menu, Place, Scope};
 use crate::window::app::App;
-use crate::window::intent::{CameraIntent, Tab, ViewIntent, WindowIntent};
+use crate::window::intent::{InspectIntent, Tab, ViewIntent, WindowIntent};
 use crate::window::legend;
-use crate::window::navigation::{Axis, CameraMove, UpAxis};
 
-/// Gestures over the picture.
+/// What clicks do.
 pub(super) const GESTURES: &[(&str, &str)] = &[
-    ("Drag", "turn around the scene"),
-    ("Shift+drag, middle drag", "shift the scene"),
-    ("Wheel, pinch", "zoom to the pointer"),
-    ("Arrow keys", "turn, after a click on the picture"),
-    ("Shift+arrow keys", "shift, after a click on the picture"),
-    ("+, −", "zoom, after a click on the picture"),
+    (
+        "Click on a surface",
+        "keep the surfel and list all that is known of it",
+    ),
+    ("Double click on a surface", "turn around it from now on"),
 ];
 
 pub(super) fn actions(app: &App) -> Vec<Action> {
-    let mut actions = camera_actions(app);
-    actions.extend(show_actions(app));
+    let mut actions = show_actions(app);
+    actions.extend(inspect_actions(app));
     actions.push(Action::new(
         "view.settings",
         "Background, exposure, radius…",
@@ -31,50 +29,39 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
     actions
 }
 
-fn camera_actions(app: &App) -> Vec<Action> {
-    let place = Place::new(Menu::View, 0);
-    let camera = |camera_move| CameraIntent::Move(camera_move);
-    let mut actions = vec![
+/// What the mouse does by clicks, for the keyboard: at the picture's middle.
+fn inspect_actions(app: &App) -> Vec<Action> {
+    let place = Place::new(Menu::View, 4);
+    let middle = app
+        .viewport
+        .map_or([0; 2], |viewport| viewport.size_px.map(|side| side / 2));
+    let nothing_kept = (!app.inspector.is_pinned()).then(|| "nothing is kept".to_owned());
+    vec![
         Action::new(
-            "camera.frame",
-            "Frame scene",
+            "inspect.middle",
+            "Inspect the middle of the picture",
             place,
-            camera(CameraMove::Frame),
+            InspectIntent::Pin(middle),
         )
-        .keys(Modifiers::NONE, Key::F)
-        .keys(Modifiers::NONE, Key::Home),
-    ];
-    let keys = |axis| match axis {
-        Axis::Front => (Modifiers::NONE, Key::Z),
-        Axis::Back => (Modifiers::SHIFT, Key::Z),
-        Axis::Left => (Modifiers::SHIFT, Key::X),
-        Axis::Right => (Modifiers::NONE, Key::X),
-        Axis::Top => (Modifiers::NONE, Key::Y),
-        Axis::Bottom => (Modifiers::SHIFT, Key::Y),
-    };
-    actions.extend(Axis::ALL.map(|(axis, name)| {
-        let id = format!("camera.look_from.{}", name.to_lowercase());
-        let (modifiers, key) = keys(axis);
-        let place = place.within("Look from");
-        Action::new(id, name, place, camera(CameraMove::Axis(axis))).keys(modifiers, key)
-    }));
-    let up_now = UpAxis::of(&app.session.camera);
-    for (axis, name) in [(UpAxis::Y, "Y"), (UpAxis::Z, "Z")] {
-        let id = format!("camera.up.{}", name.to_lowercase());
-        let place = place.within("Up axis");
-        let action = Action::new(id, name, place, camera(CameraMove::Upwards(axis)));
-        actions.push(action.on(up_now == axis));
-    }
-    actions.push(
+        .keys(Modifiers::SHIFT, Key::I),
         Action::new(
-            "camera.projection",
-            "Perspective or orthographic",
+            "inspect.unpin",
+            "Let go of the inspected surfel",
             place,
-            camera(CameraMove::SwitchProjection),
+            InspectIntent::Unpin,
         )
-        .keys(Modifiers::NONE, Key::O),
-    );
-    actions
+        .keys_in(Scope::OnPicture, Modifiers::NONE, Key::Escape)
+        .unless(nothing_kept),
+        Action::new(
+            "camera.pivot_middle",
+            "Turn around the surface in the middle",
+            place,
+            InspectIntent::PivotOn(middle),
+        )
+        .keys(Modifiers::NONE, Key::P),
+        Action::new("view.draw_now", "Draw now", place, ViewIntent::DrawNow)
+            .keys(Modifiers::NONE, Key::F5),
+    ]
 }
 
 /// Colours and every target of the renderer.

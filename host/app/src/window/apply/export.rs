@@ -50,7 +50,7 @@ impl App {
         let export = Export {
             path: image.path.clone(),
             format,
-            record: record::of_frame(&frame),
+            record: record::of_frame(&frame, &self.session.warnings, &image.path),
             frame,
             targets: Vec::new(),
             most_tile_px: if self.stage.draws_on_cpu() {

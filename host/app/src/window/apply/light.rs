@@ -1,6 +1,6 @@
 //! Carries out intents about lights and material.
 
-use pointstage_scene::Material;
+use pointstage_scene::{Camera, Light, Material};
 
 use crate::window::app::App;
 use crate::window::intent::LightIntent;
@@ -9,7 +9,20 @@ impl App {
     pub(super) fn apply_light(&mut self, intent: LightIntent) {
         match intent {
             LightIntent::Set(lights) => self.session.lights = lights,
+            LightIntent::Drag { right, up } => {
+                self.move_first_light(|light, camera| light.drag(camera, right, up));
+            }
+            LightIntent::Push(part) => {
+                self.move_first_light(|light, camera| light.push_away(camera, part));
+            }
             LightIntent::Material(material) => self.set_material(material),
+        }
+    }
+
+    /// Without a light there is nothing to move; the gizmo shows that there is none.
+    fn move_first_light(&mut self, change: impl FnOnce(&mut Light, &Camera)) {
+        if let Some(light) = self.session.lights.lights.first_mut() {
+            change(light, &self.session.camera);
         }
     }
 

@@ -18,16 +18,18 @@ use egui::Context;
 use super::app::App;
 use super::intent::Intent;
 
+pub(super) use views::take_pasted_view;
+
 impl App {
     /// Carries out one intent.
     pub(super) fn apply(&mut self, ctx: &Context, intent: Intent) {
         tracing::debug!(?intent);
         match intent {
-            Intent::File(intent) => self.apply_file(intent),
-            Intent::Edit(intent) => self.apply_edit(intent),
+            Intent::File(intent) => self.apply_file(ctx, intent),
+            Intent::Edit(intent) => self.apply_edit(ctx, intent),
             Intent::Renderer(intent) => self.apply_renderer(intent),
             Intent::Camera(intent) => self.apply_camera(intent),
-            Intent::Views(intent) => self.apply_views(intent),
+            Intent::Views(intent) => self.apply_views(ctx, intent),
             Intent::Light(intent) => self.apply_light(intent),
             Intent::View(intent) => self.apply_view(intent),
             Intent::Scene(intent) => self.apply_scene(intent),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use pointstage_engine::stage::Severity;
-use pointstage_scene::{LoadOptions, ObjectId, Provenance, WarningKind};
+use pointstage_scene::{LoadOptions, Object, ObjectId, Provenance, WarningKind};
 
 use crate::window::app::App;
 use crate::window::intent::SceneIntent;
@@ -19,11 +19,34 @@ impl App {
                 self.session
                     .edit_scene(|scene| scene.edit(id, |object| object.visible = visible));
             }
+            SceneIntent::Select(id) => self.select(|object| object.id == id),
+            SceneIntent::ToggleSelected(id) => {
+                self.select(|object| object.selected != (object.id == id));
+            }
+            SceneIntent::SelectAll => self.select(|_| true),
+            SceneIntent::SelectNone => self.select(|_| false),
             SceneIntent::Remove(id) => {
                 self.session.edit_scene(|scene| scene.remove(id));
                 self.session.warnings.remove(&id);
             }
         }
+    }
+
+    /// Selects just the objects of which `is_selected` says yes.
+    fn select(&mut self, is_selected: impl Fn(&Object) -> bool) {
+        let objects = self.session.scene.objects().iter();
+        let changed: Vec<ObjectId> = objects
+            .filter(|object| is_selected(object) != object.selected)
+            .map(|object| object.id)
+            .collect();
+        if changed.is_empty() {
+            return;
+        }
+        self.session.edit_scene(|scene| {
+            for id in changed {
+                scene.edit(id, |object| object.selected = !object.selected);
+            }
+        });
     }
 
     fn estimate(&mut self) {

@@ -1,25 +1,96 @@
 //! Carries out intents about stored views.
 
-use pointstage_scene::ViewRecord;
+use std::time::Instant;
+
+use egui::{Context, Event, ViewportCommand};
+use pointstage_engine::stage::Severity;
+use pointstage_scene::{NearClipping, ViewRecord};
 
 use crate::window::app::App;
-use crate::window::intent::ViewsIntent;
+use crate::window::intent::{Intents, ViewsIntent};
+use crate::window::thumbnail;
+use crate::window::views::slot_key;
 
 impl App {
-    pub(super) fn apply_views(&mut self, intent: ViewsIntent) {
+    pub(super) fn apply_views(&mut self, ctx: &Context, intent: ViewsIntent) {
         match intent {
-            ViewsIntent::Store(slot) => {
-                let record = self.view_record();
-                if let Some(kept) = self.session.views.slots.get_mut(slot) {
-                    *kept = Some(record);
+            ViewsIntent::Store(slot) => self.store(slot),
+            ViewsIntent::Recall(slot) => self.recall(slot),
+            ViewsIntent::Add => {
+                let (record, thumbnail) = (self.view_record(), self.thumbnail());
+                self.session.views.add(record, thumbnail);
+            }
+            ViewsIntent::RecallNamed(index) => {
+                if let Some(view) = self.session.views.named.get(index) {
+                    self.go_to(&view.record.clone());
                 }
             }
-            ViewsIntent::Recall(slot) => {
-                if let Some(Some(record)) = self.session.views.slots.get(slot) {
-                    self.session.camera = record.camera();
+            ViewsIntent::Rename(index, name) => self.session.views.rename(index, &name),
+            ViewsIntent::Overwrite(index) => {
+                let (record, thumbnail) = (self.view_record(), self.thumbnail());
+                if let Some(view) = self.session.views.named.get_mut(index) {
+                    (view.record, view.thumbnail) = (record, thumbnail);
                 }
+            }
+            ViewsIntent::Delete(index) => {
+                if index < self.session.views.named.len() {
+                    self.session.views.named.remove(index);
+                }
+            }
+            ViewsIntent::Shift(index, way) => self.session.views.shift(index, way),
+            ViewsIntent::Copy => {
+                ctx.copy_text(self.view_record().to_json());
+                self.say("View copied: paste it into a file, a message or another window.");
+            }
+            ViewsIntent::AskPaste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
+            ViewsIntent::Paste(text) => match ViewRecord::from_json(&text) {
+                Ok(record) => self.go_to(&record),
+                Err(error) => {
+                    let text = format!("The text on the clipboard is no view: {error}.");
+                    self.log.error(text, Instant::now());
+                }
+            },
+        }
+    }
+
+    fn store(&mut self, slot: usize) {
+        let record = self.view_record();
+        if let Some(kept) = self.session.views.slots.get_mut(slot) {
+            *kept = Some(record);
+            let key = slot_key(slot);
+            self.say(format!("View {key} stored; {key} goes back to it."));
+        }
+    }
+
+    fn recall(&mut self, slot: usize) {
+        match self.session.views.slots.get(slot) {
+            Some(Some(record)) => self.go_to(&record.clone()),
+            _ => {
+                let key = slot_key(slot);
+                self.say(format!("There is no view {key}; Ctrl+{key} stores one."));
             }
         }
+    }
+
+    fn say(&mut self, text: impl Into<String>) {
+        self.log.say(Severity::Info, text, Instant::now());
+    }
+
+    /// Flies to a view; its near plane stands where it did.
+    pub(in crate::window) fn go_to(&mut self, record: &ViewRecord) {
+        // A record out of a file was read field by field only.
+        let record = match record.checked() {
+            Ok(record) => record,
+            Err(error) => {
+                self.log.error(error.to_string(), Instant::now());
+                return;
+            }
+        };
+        let camera = record.camera();
+        self.session.near = NearClipping::of(&camera);
+        let around = self.surroundings();
+        self.navigator
+            .fly_to(&mut self.session.camera, camera, &around);
     }
 
     /// The present view.
@@ -28,5 +99,28 @@ impl App {
             .viewport
             .map_or([1280, 720], |viewport| viewport.size_px);
         ViewRecord::new(self.session.camera, width, height)
+    }
+
+    /// The picture on the screen, small; empty if there is none.
+    fn thumbnail(&self) -> Vec<u8> {
+        let shown = self.shown.as_deref();
+        shown.map_or_else(Vec::new, |shown| thumbnail::encode(&shown.picture))
+    }
+}
+
+/// A text that is pasted while none is typed is taken for a view.
+pub(in crate::window) fn take_pasted_view(ctx: &Context, out: &mut Intents) {
+    if ctx.text_edit_focused() {
+        return;
+    }
+    let pasted = ctx.input(|input| {
+        let mut texts = input.events.iter().filter_map(|event| match event {
+            Event::Paste(text) => Some(text.clone()),
+            _ => None,
+        });
+        texts.next_back()
+    });
+    if let Some(text) = pasted {
+        out.push(ViewsIntent::Paste(text));
     }
 }

@@ -4,6 +4,7 @@ use egui::{Context, ViewportCommand};
 
 use crate::window::app::App;
 use crate::window::intent::{Part, Tab, WindowIntent};
+use crate::window::theme;
 
 impl App {
     pub(super) fn apply_window(&mut self, ctx: &Context, intent: WindowIntent) {
@@ -19,6 +20,8 @@ impl App {
                 self.panels.tab = Tab::Renderer;
                 self.focus_setting = Some(id);
             }
+            WindowIntent::Theme(theme) => ctx.set_theme(theme),
+            WindowIntent::TextScale(scale) => theme::set_text_scale(ctx, scale),
             WindowIntent::Copy(text) => ctx.copy_text(text),
             WindowIntent::Dismiss(id) => self.log.dismiss(id),
             WindowIntent::ClearLog => self.log.clear(),

@@ -13,8 +13,31 @@ pub(crate) enum FileIntent {
     TypePath(OpenMode),
     /// Load files.
     Open(Vec<PathBuf>, OpenMode),
+    /// Read every object's file again.
+    Reload,
+    /// Forget which files were opened.
+    ClearRecent,
+    /// Show the field for the path of the session's file.
+    SaveSessionAs,
+    /// Show the system's dialog for the session's file.
+    ChooseSessionFile(PathBuf),
+    /// Write the session to this file.
+    SaveSession(PathBuf, Overwrite),
+    /// Write the session to the file that it came from or went to last.
+    SaveSessionAgain,
+    /// Put versions, plugins, session and messages on the clipboard.
+    CopyBugReport,
     /// Stop a task.
     Cancel(TaskId),
+}
+
+/// Whether a file that is there may be replaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Overwrite {
+    /// The user said so.
+    Agreed,
+    /// Ask first.
+    Ask,
 }
 
 /// What opening files does with the scene.

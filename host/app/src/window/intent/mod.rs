@@ -18,7 +18,7 @@ mod window;
 pub(crate) use camera::CameraIntent;
 pub(crate) use edit::EditIntent;
 pub(crate) use export::{Backdrop, ExportIntent, ImageFile, Replace};
-pub(crate) use file::{FileIntent, OpenMode};
+pub(crate) use file::{FileIntent, OpenMode, Overwrite};
 pub(crate) use inspect::InspectIntent;
 pub(crate) use light::LightIntent;
 pub(crate) use plugins::PluginsIntent;

@@ -13,4 +13,12 @@ pub(crate) enum SceneIntent {
     SetVisible(ObjectId, bool),
     /// Take an object out of the scene.
     Remove(ObjectId),
+    /// Select this object alone.
+    Select(ObjectId),
+    /// Add this object to the selection, or take it out.
+    ToggleSelected(ObjectId),
+    /// Select every object.
+    SelectAll,
+    /// Select no object.
+    SelectNone,
 }

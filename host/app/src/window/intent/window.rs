@@ -1,5 +1,7 @@
 //! Intents about the window itself.
 
+use egui::ThemePreference;
+
 /// What to do with panels, dialogs, messages and the clipboard.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum WindowIntent {
@@ -11,6 +13,10 @@ pub(crate) enum WindowIntent {
     ChooseTab(Tab),
     /// Show the chosen renderer's settings and put the keyboard on this one.
     FocusSetting(String),
+    /// Light or dark.
+    Theme(ThemePreference),
+    /// Size of texts and widgets, as a factor.
+    TextScale(f32),
     /// Put a text on the clipboard.
     Copy(String),
     /// Take a toast away.

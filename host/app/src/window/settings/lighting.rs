@@ -1,60 +1,120 @@
-//! The *Lighting* tab: ambient light and up to four sources.
+//! The *Lighting* tab: headlight, ambient light, up to four sources, and how objects take light.
 
-use egui::{DragValue, ScrollArea, Slider, Ui};
+use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
 use glam::{DVec3, Vec3};
-use pointstage_scene::{Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
+use pointstage_scene::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS, Scene};
 
+use super::material::material_ui;
 use crate::window::intent::{Intents, LightIntent};
+use crate::window::light_presets::{LIGHT_PRESETS, preset_of};
 
-/// The tab. Edits come out as [`LightIntent::Set`] with all lights.
-pub(crate) fn lighting_ui(ui: &mut Ui, lights: &Lights, out: &mut Intents) {
-    let mut edited = lights.clone();
+/// Showing a value must not round it: only what is edited is brought into the slider's range and digits.
+const UNTOUCHED: SliderClamping = SliderClamping::Edits;
+
+/// What the tab shows.
+pub(crate) struct LightingTab<'a> {
+    /// All lights.
+    pub(crate) lights: &'a Lights,
+    /// Whose material is shown.
+    pub(crate) scene: &'a Scene,
+    /// The material of objects to come.
+    pub(crate) material: pointstage_scene::Material,
+}
+
+/// The tab. Edits come out as [`LightIntent::Set`] with all lights, and as [`LightIntent::Material`].
+pub(crate) fn lighting_ui(ui: &mut Ui, tab: &LightingTab<'_>, out: &mut Intents) {
+    let mut edited = tab.lights.clone();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        presets_ui(ui, &mut edited);
+        headlight_ui(ui, &mut edited.headlight);
         super::row(ui, "Ambient", "Light from everywhere", |ui| {
             colour_and_strength_ui(ui, &mut edited.ambient);
         });
-        let mut removed = None;
-        for (index, light) in edited.lights.iter_mut().enumerate().take(MAX_LIGHTS) {
-            ui.push_id(index, |ui| {
-                ui.separator();
-                ui.horizontal(|ui| {
-                    ui.strong(format!("Light {}", index + 1));
-                    if ui.small_button("Remove").clicked() {
-                        removed = Some(index);
-                    }
-                });
-                light_ui(ui, light);
-            });
-        }
-        if let Some(index) = removed {
-            edited.lights.remove(index);
-        }
+        lights_ui(ui, &mut edited);
         ui.separator();
-        ui.horizontal(|ui| {
-            let has_room = edited.lights.len() < MAX_LIGHTS;
-            let add = ui
-                .add_enabled(has_room, egui::Button::new("Add light"))
-                .on_disabled_hover_text(format!("A view has at most {MAX_LIGHTS} lights."));
-            if add.clicked() {
-                edited.lights.push(headlight());
-            }
-            if ui.button("Reset lights").clicked() {
-                edited = Lights::default();
-            }
-        });
+        material_ui(ui, tab.scene, tab.material, out);
     });
-    if edited != *lights {
+    if edited != *tab.lights {
         out.push(LightIntent::Set(edited));
     }
 }
 
-/// A light from the eye.
-fn headlight() -> Light {
-    Light {
-        kind: LightKind::Directional { towards: DVec3::Z },
-        space: LightSpace::View,
-        colour: Vec3::splat(0.5),
+fn presets_ui(ui: &mut Ui, lights: &mut Lights) {
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Presets");
+        let now = preset_of(lights);
+        for preset in &LIGHT_PRESETS {
+            let is_now = now == Some(preset.name);
+            let button = ui.selectable_label(is_now, preset.name);
+            if button.on_hover_text(preset.help).clicked() && !is_now {
+                *lights = (preset.lights)();
+            }
+        }
+    });
+}
+
+fn headlight_ui(ui: &mut Ui, headlight: &mut Headlight) {
+    super::row(
+        ui,
+        "Headlight",
+        "One white light at the eye, instead of all lights below; they stay as they are",
+        |ui| {
+            ui.checkbox(&mut headlight.enabled, "");
+        },
+    );
+    if headlight.enabled {
+        super::row(ui, "Its strength", "", |ui| {
+            let slider = Slider::new(&mut headlight.strength, 0.0..=2.0);
+            ui.add(slider.clamping(UNTOUCHED).max_decimals(2));
+        });
     }
+}
+
+fn lights_ui(ui: &mut Ui, edited: &mut Lights) {
+    if edited.headlight.enabled && !edited.lights.is_empty() {
+        ui.weak("These are off while the headlight is on.");
+    }
+    let mut removed = None;
+    for (index, light) in edited.lights.iter_mut().enumerate().take(MAX_LIGHTS) {
+        ui.push_id(index, |ui| {
+            ui.separator();
+            ui.horizontal(|ui| {
+                let name = format!("Light {}", index + 1);
+                ui.checkbox(&mut light.enabled, egui::RichText::new(&name).strong())
+                    .on_hover_text("Whether it shines");
+                let remove = ui.small_button("Remove");
+                if remove.accessible_name(format!("Remove {name}")).clicked() {
+                    removed = Some(index);
+                }
+            });
+            light_ui(ui, light);
+        });
+    }
+    if let Some(index) = removed {
+        edited.lights.remove(index);
+    }
+    ui.separator();
+    ui.horizontal(|ui| {
+        let has_room = edited.lights.len() < MAX_LIGHTS;
+        let add = ui
+            .add_enabled(has_room, egui::Button::new("Add light"))
+            .on_disabled_hover_text(format!("A view has at most {MAX_LIGHTS} lights."));
+        if add.clicked() {
+            edited.lights.push(new_light());
+        }
+        if ui.button("Reset lights").clicked() {
+            *edited = Lights::default();
+        }
+    });
+}
+
+/// A light from the eye, weak enough to join others.
+fn new_light() -> Light {
+    let half = Headlight {
+        enabled: true,
+        strength: 0.5,
+    };
+    half.as_light()
 }
 
 fn light_ui(ui: &mut Ui, light: &mut Light) {
@@ -105,6 +165,7 @@ fn direction_ui(ui: &mut Ui, towards: &mut DVec3) {
         "0° from the front, 90° from the right",
         |ui| {
             let slider = Slider::new(&mut azimuth, -180.0..=180.0)
+                .clamping(UNTOUCHED)
                 .suffix("°")
                 .max_decimals(1);
             changed |= ui.add(slider).changed();
@@ -112,6 +173,7 @@ fn direction_ui(ui: &mut Ui, towards: &mut DVec3) {
     );
     super::row(ui, "Elevation", "90° from above", |ui| {
         let slider = Slider::new(&mut elevation, -90.0..=90.0)
+            .clamping(UNTOUCHED)
             .suffix("°")
             .max_decimals(1);
         changed |= ui.add(slider).changed();
@@ -150,7 +212,11 @@ fn colour_and_strength_ui(ui: &mut Ui, colour: &mut Vec3) {
     let taken = before - ui.available_width();
     super::set_slider_width(ui, ui.spacing().slider_width - taken);
     let slid = ui
-        .add(Slider::new(&mut strength, 0.0..=2.0).max_decimals(2))
+        .add(
+            Slider::new(&mut strength, 0.0..=2.0)
+                .clamping(UNTOUCHED)
+                .max_decimals(2),
+        )
         .on_hover_text("Strength")
         .changed();
     if picked || slid {

@@ -3,12 +3,18 @@
 //! Each tab reads what it shows and pushes intents. [`schema`] makes widgets from a renderer's schema; the other tabs are
 //! written by hand.
 
+pub(super) mod camera;
 pub(super) mod lighting;
+mod material;
+pub(super) mod pacing;
 pub(super) mod plugins;
+mod presets;
 pub(super) mod renderer;
 pub(super) mod scene;
 pub(super) mod schema;
+mod value;
 pub(super) mod view;
+pub(super) mod view_list;
 
 #[cfg(test)]
 mod tests;

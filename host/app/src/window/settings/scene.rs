@@ -20,6 +20,8 @@ pub(crate) fn scene_ui(
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if scene.objects().is_empty() {
             ui.weak("The scene is empty.");
+        } else {
+            selection_ui(ui, scene, out);
         }
         for object in scene.objects() {
             ui.push_id(object.id.0, |ui| {
@@ -30,18 +32,54 @@ pub(crate) fn scene_ui(
     });
 }
 
+/// How many objects are selected, and a way out of it.
+fn selection_ui(ui: &mut Ui, scene: &Scene, out: &mut Intents) {
+    let selected = scene.objects().iter().filter(|object| object.selected);
+    ui.horizontal_wrapped(|ui| match selected.count() {
+        0 => {
+            ui.weak("A click on a name selects the object: F frames it, and the material applies to it. Ctrl+click adds.");
+        }
+        count => {
+            let objects = if count == 1 { "object" } else { "objects" };
+            ui.weak(format!("{count} {objects} selected."));
+            if ui.small_button("Select none").clicked() {
+                out.push(SceneIntent::SelectNone);
+            }
+        }
+    });
+}
+
 fn object_ui(ui: &mut Ui, object: &Object, warnings: Option<&Warnings>, out: &mut Intents) {
     ui.horizontal(|ui| {
         let mut visible = object.visible;
-        let response = ui.checkbox(&mut visible, egui::RichText::new(&object.name).strong());
+        let shown = ui
+            .checkbox(&mut visible, "")
+            .on_hover_text("Whether it is drawn");
+        if shown
+            .accessible_name(format!("Show {}", object.name))
+            .changed()
+        {
+            out.push(SceneIntent::SetVisible(object.id, visible));
+        }
+        let name = egui::RichText::new(&object.name).strong();
         let hint = object
             .source
             .as_ref()
             .map_or_else(String::new, |path| path.display().to_string());
-        if response.on_hover_text(hint).changed() {
-            out.push(SceneIntent::SetVisible(object.id, visible));
+        let label = ui.selectable_label(object.selected, name);
+        if label.on_hover_text(hint).clicked() {
+            let adds = ui.input(|input| input.modifiers.command || input.modifiers.shift);
+            out.push(if adds {
+                SceneIntent::ToggleSelected(object.id)
+            } else {
+                SceneIntent::Select(object.id)
+            });
         }
-        if ui.small_button("Remove").clicked() {
+        let remove = ui.small_button("Remove");
+        if remove
+            .accessible_name(format!("Remove {}", object.name))
+            .clicked()
+        {
             out.push(SceneIntent::Remove(object.id));
         }
     });

@@ -1,42 +1,114 @@
-//! Widgets made from a settings schema: every kind, its ranges and unit, groups, help, conditions, reset.
+//! A panel made from a settings schema: groups, search, conditions, help, reset of one, of a group, of all.
 
-use egui::{Button, ComboBox, DragValue, RichText, Slider, SliderClamping, TextEdit, Ui};
+use egui::collapsing_header::{CollapsingState, paint_default_icon};
+use egui::{Button, Id, RichText, Sense, TextEdit, Ui, vec2};
 use pointstage_plugin_api::settings_schema::{
-    ChoiceOption, NumberRange, Scale, SettingCost, SettingKind, SettingSchema, SettingValue,
-    SettingValues,
+    SettingCost, SettingKind, SettingSchema, SettingValue, SettingValues,
 };
 
+use super::value::{Edited, value_ui};
 use crate::window::intent::{Intents, RendererIntent};
+use crate::window::theme;
 
-/// All settings of a schema under their groups' headings; those whose condition does not hold are absent.
-///
-/// `values` holds what differs from the defaults. Edits come out as [`RendererIntent::Set`], [`RendererIntent::Reset`], [`RendererIntent::Press`].
-pub(crate) fn schema_ui(
-    ui: &mut Ui,
-    schema: &[SettingSchema],
-    values: &SettingValues,
-    out: &mut Intents,
-) {
+/// A schema with more settings than this can be searched.
+const SEARCH_FROM: usize = 9;
+
+/// Whose settings the panel shows, and so what its edits ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Owner {
+    /// The chosen renderer's.
+    Renderer,
+    /// The chosen structure's.
+    Structure,
+}
+
+impl Owner {
+    fn set(self, id: &str, value: SettingValue) -> RendererIntent {
+        match self {
+            Self::Renderer => RendererIntent::Set(id.to_owned(), value),
+            Self::Structure => RendererIntent::SetOfStructure(id.to_owned(), value),
+        }
+    }
+
+    fn reset(self, ids: Vec<String>) -> RendererIntent {
+        match self {
+            Self::Renderer => RendererIntent::ResetSome(ids),
+            Self::Structure => RendererIntent::ResetOfStructure(ids),
+        }
+    }
+}
+
+/// What the panel shows.
+#[derive(Clone, Copy)]
+pub(crate) struct SchemaPanel<'a> {
+    /// Whose settings.
+    pub(crate) owner: Owner,
+    /// The settings, in order.
+    pub(crate) schema: &'a [SettingSchema],
+    /// Values that differ from the defaults.
+    pub(crate) values: &'a SettingValues,
+    /// The setting that shall have the keyboard now.
+    pub(crate) focus: Option<&'a str>,
+}
+
+/// All settings under their groups' headings, which fold; those whose condition does not hold are absent.
+pub(crate) fn schema_ui(ui: &mut Ui, panel: &SchemaPanel<'_>, out: &mut Intents) {
+    let SchemaPanel { schema, values, .. } = *panel;
     if schema.is_empty() {
         ui.weak("It has no settings.");
         return;
     }
+    let sought = if schema.len() >= SEARCH_FROM {
+        search_ui(ui)
+    } else {
+        String::new()
+    };
+    let mut is_any_shown = false;
     for group in groups(schema) {
         let of_group: Vec<&SettingSchema> = schema
             .iter()
-            .filter(|setting| setting.group == group && is_visible(setting, schema, values))
+            .filter(|setting| setting.group == group && setting.is_visible(schema, values))
+            .filter(|setting| is_meant(setting, &sought) || panel.focus == Some(&setting.id))
             .collect();
         if of_group.is_empty() {
             continue;
         }
-        if !group.is_empty() {
-            ui.add_space(4.0);
-            ui.label(RichText::new(group).strong());
-        }
-        for setting in of_group {
-            ui.push_id(&setting.id, |ui| setting_ui(ui, setting, values, out));
+        is_any_shown = true;
+        if group.is_empty() {
+            settings_ui(ui, panel, &of_group, out);
+        } else {
+            group_ui(ui, panel, group, &of_group, !sought.is_empty(), out);
         }
     }
+    if !is_any_shown {
+        ui.weak(format!("No setting has '{sought}' in its name or help."));
+    }
+}
+
+/// The field to search in; returns what is sought.
+fn search_ui(ui: &mut Ui) -> String {
+    let id = ui.scope_id().with("search");
+    let mut sought = ui.data(|data| data.get_temp::<String>(id).unwrap_or_default());
+    ui.horizontal(|ui| {
+        let field = TextEdit::singleline(&mut sought)
+            .hint_text("Search the settings")
+            .desired_width(ui.available_width() - super::RESET_WIDTH - 8.0);
+        let response = ui.add(field);
+        response.accessible_name("Search the settings");
+        if !sought.is_empty() && ui.small_button("clear").clicked() {
+            sought.clear();
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(id, sought.clone()));
+    sought.trim().to_lowercase()
+}
+
+/// Whether a setting's name, help, group or id contains what is sought.
+fn is_meant(setting: &SettingSchema, sought: &str) -> bool {
+    let texts = [&setting.label, &setting.help, &setting.group, &setting.id];
+    texts
+        .iter()
+        .any(|text| text.to_lowercase().contains(sought))
 }
 
 /// Names of the groups, in the order in which the schema first uses them.
@@ -50,50 +122,135 @@ fn groups(schema: &[SettingSchema]) -> Vec<&str> {
     groups
 }
 
-/// Whether the setting's condition holds. A condition on a setting that is itself hidden counts by its value.
-fn is_visible(setting: &SettingSchema, schema: &[SettingSchema], values: &SettingValues) -> bool {
-    setting.visible_if.as_ref().is_none_or(|condition| {
-        let other = schema.iter().find(|other| other.id == condition.id);
-        other.and_then(|other| value_of(other, values)) == Some(condition.equals.clone())
-    })
+/// A heading that folds its settings away, with a reset of all of them. A search and a sought setting unfold it.
+fn group_ui(
+    ui: &mut Ui,
+    panel: &SchemaPanel<'_>,
+    group: &str,
+    settings: &[&SettingSchema],
+    is_searched: bool,
+    out: &mut Intents,
+) {
+    let id = ui.scope_id().with(("group", group));
+    let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, true);
+    let is_focused = settings
+        .iter()
+        .any(|setting| panel.focus == Some(&setting.id));
+    if is_focused {
+        state.set_open(true);
+    }
+    let is_open = state.is_open() || is_searched;
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        // The toolkit's own sign; no font is sure to have one.
+        let size = vec2(ui.spacing().icon_width, ui.spacing().interact_size.y);
+        let (_, icon) = ui.allocate_exact_size(size, Sense::hover());
+        paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
+        let heading = ui.add(Button::new(RichText::new(group).strong()).frame(false));
+        ui.ctx().accesskit_node_builder(heading.id, |node| {
+            node.set_expanded(is_open);
+        });
+        if heading.clicked() {
+            state.toggle(ui);
+        }
+        reset_ui(ui, panel, group, settings, out);
+    });
+    state.store(ui.ctx());
+    if is_open {
+        settings_ui(ui, panel, settings, out);
+    }
 }
 
-/// The value that a setting has now; `None` for an action.
-fn value_of(setting: &SettingSchema, values: &SettingValues) -> Option<SettingValue> {
-    values.get(&setting.id).cloned().or(match &setting.kind {
-        SettingKind::Bool { default } => Some(SettingValue::Bool(*default)),
-        SettingKind::Int { default, .. } => Some(SettingValue::Int(*default)),
-        SettingKind::Float { default, .. } => Some(SettingValue::Float(*default)),
-        SettingKind::Choice { default, .. } => Some(SettingValue::Choice(default.clone())),
-        SettingKind::Colour { default } => Some(SettingValue::Colour(*default)),
-        SettingKind::Text { default } => Some(SettingValue::Text(default.clone())),
-        SettingKind::Action => None,
-    })
+/// Gives all of `settings` their defaults, if one differs.
+fn reset_ui(
+    ui: &mut Ui,
+    panel: &SchemaPanel<'_>,
+    name: &str,
+    settings: &[&SettingSchema],
+    out: &mut Intents,
+) {
+    let differing: Vec<String> = settings
+        .iter()
+        .filter(|setting| panel.values.contains_key(&setting.id))
+        .map(|setting| setting.id.clone())
+        .collect();
+    if differing.is_empty() {
+        return;
+    }
+    let name = format!("Reset {name}");
+    let reset = ui.add(Button::new("reset").small()).on_hover_text(&name);
+    if reset.accessible_name(name).clicked() {
+        out.push(panel.owner.reset(differing));
+    }
 }
 
-fn setting_ui(ui: &mut Ui, setting: &SettingSchema, values: &SettingValues, out: &mut Intents) {
+fn settings_ui(
+    ui: &mut Ui,
+    panel: &SchemaPanel<'_>,
+    settings: &[&SettingSchema],
+    out: &mut Intents,
+) {
+    for setting in settings {
+        ui.push_id(&setting.id, |ui| setting_ui(ui, panel, setting, out));
+    }
+}
+
+fn setting_ui(ui: &mut Ui, panel: &SchemaPanel<'_>, setting: &SettingSchema, out: &mut Intents) {
     let help = help_text(setting);
-    let Some(value) = value_of(setting, values) else {
+    let takes_focus = panel.focus == Some(&setting.id);
+    let value = panel.values.get(&setting.id).cloned();
+    let Some(value) = value.or_else(|| setting.default_value()) else {
+        if panel.owner == Owner::Structure {
+            return; // A request carries the renderer's actions alone.
+        }
         let button = ui.button(&setting.label).on_hover_text(help);
+        if takes_focus {
+            focus(&button);
+        }
         if button.clicked() {
             out.push(RendererIntent::Press(setting.id.clone()));
         }
         return;
     };
+    let mut edited = Edited::default();
     super::row(ui, &setting.label, &help, |ui| {
-        if let Some(edited) = value_ui(ui, setting, &value) {
-            out.push(RendererIntent::Set(setting.id.clone(), edited));
+        edited = value_ui(ui, setting, &value);
+        if takes_focus && let Some(widget) = &edited.widget {
+            focus(widget);
         }
-        let differs = values.contains_key(&setting.id);
-        if differs {
-            let name = format!("Reset {}", setting.label);
-            let reset = ui.add(Button::new("reset").small()).on_hover_text(&name);
-            let reset = reset.accessible_name(name);
-            if reset.clicked() {
-                out.push(RendererIntent::Reset(setting.id.clone()));
-            }
-        }
+        reset_ui(ui, panel, &setting.label, &[setting], out);
     });
+    note_ui(ui, &edited, &value);
+    if let Some(value) = edited.value {
+        out.push(panel.owner.set(&setting.id, value));
+    }
+}
+
+/// Puts the keyboard on a widget and scrolls to it.
+fn focus(widget: &egui::Response) {
+    widget.request_focus();
+    widget.scroll_to_me(Some(egui::Align::Center));
+}
+
+/// Says under the field why a typed value was not taken as it is, until the value is another one.
+fn note_ui(ui: &mut Ui, edited: &Edited, value: &SettingValue) {
+    type Note = (String, SettingValue);
+    let id: Id = ui.scope_id().with("note");
+    if let Some(refused) = &edited.refused {
+        let now = edited.value.clone().unwrap_or_else(|| value.clone());
+        ui.data_mut(|data| data.insert_temp::<Note>(id, (refused.clone(), now)));
+    } else if edited.value.is_some() {
+        ui.data_mut(|data| data.remove::<Note>(id));
+    }
+    let Some((text, taken)) = ui.data(|data| data.get_temp::<Note>(id)) else {
+        return;
+    };
+    if edited.value.is_none() && taken != *value {
+        ui.data_mut(|data| data.remove::<Note>(id));
+        return;
+    }
+    let color = theme::severity_color(ui, pointstage_engine::stage::Severity::Warning);
+    ui.label(RichText::new(text).small().color(color));
 }
 
 /// Help, range, default and cost, for the tooltip.
@@ -119,148 +276,4 @@ fn help_text(setting: &SettingSchema) -> String {
     }
     lines.push(format!("--set {}=…", setting.id));
     lines.join("\n")
-}
-
-/// The widget of a value; the new value if it was edited.
-fn value_ui(ui: &mut Ui, setting: &SettingSchema, value: &SettingValue) -> Option<SettingValue> {
-    match (&setting.kind, value) {
-        (SettingKind::Bool { .. }, SettingValue::Bool(value)) => {
-            let mut edited = *value;
-            // The row's label names it.
-            ui.checkbox(&mut edited, "")
-                .changed()
-                .then_some(SettingValue::Bool(edited))
-        }
-        (SettingKind::Int { range, .. }, SettingValue::Int(value)) => {
-            int_ui(ui, range, *value).map(SettingValue::Int)
-        }
-        (SettingKind::Float { range, .. }, SettingValue::Float(value)) => {
-            float_ui(ui, range, *value).map(SettingValue::Float)
-        }
-        (SettingKind::Choice { options, .. }, SettingValue::Choice(chosen)) => {
-            choice_ui(ui, options, chosen).map(SettingValue::Choice)
-        }
-        (SettingKind::Colour { .. }, SettingValue::Colour(value)) => {
-            colour_ui(ui, *value).map(SettingValue::Colour)
-        }
-        (SettingKind::Text { .. }, SettingValue::Text(value)) => {
-            text_ui(ui, value).map(SettingValue::Text)
-        }
-        // The session holds checked values alone, so kinds agree; a stranger is shown, not edited.
-        (_, other) => {
-            ui.monospace(other.to_string());
-            None
-        }
-    }
-}
-
-/// A slider over the soft range; typing reaches the hard range. Without any range, a number to drag or type.
-fn float_ui(ui: &mut Ui, range: &NumberRange<f64>, value: f64) -> Option<f64> {
-    let mut edited = value;
-    let response = if let Some((low, high)) =
-        slider_ends(range.soft_min, range.min, range.soft_max, range.max)
-    {
-        let mut slider = Slider::new(&mut edited, low..=high)
-            .clamping(SliderClamping::Never)
-            .logarithmic(range.scale == Scale::Logarithmic)
-            .suffix(suffix(&range.unit))
-            .max_decimals(6);
-        if range.scale == Scale::Logarithmic && low > 0.0 {
-            slider = slider.smallest_positive(low);
-        }
-        if let Some(step) = range.step {
-            slider = slider.step_by(step);
-        }
-        ui.add(slider)
-    } else {
-        let speed = range.step.unwrap_or_else(|| (value.abs() * 0.01).max(1e-3));
-        ui.add(
-            DragValue::new(&mut edited)
-                .speed(speed)
-                .suffix(suffix(&range.unit))
-                .max_decimals(6),
-        )
-    };
-    let least = range.min.unwrap_or(f64::NEG_INFINITY);
-    let greatest = range.max.unwrap_or(f64::INFINITY);
-    let edited = edited.max(least).min(greatest);
-    (response.changed() && edited.is_finite() && edited != value).then_some(edited)
-}
-
-fn int_ui(ui: &mut Ui, range: &NumberRange<i64>, value: i64) -> Option<i64> {
-    let mut edited = value;
-    let response = if let Some((low, high)) =
-        slider_ends(range.soft_min, range.min, range.soft_max, range.max)
-    {
-        let mut slider = Slider::new(&mut edited, low..=high)
-            .clamping(SliderClamping::Never)
-            .logarithmic(range.scale == Scale::Logarithmic)
-            .suffix(suffix(&range.unit));
-        if let Some(step) = range.step {
-            slider = slider.step_by(step as f64);
-        }
-        ui.add(slider)
-    } else {
-        ui.add(DragValue::new(&mut edited).suffix(suffix(&range.unit)))
-    };
-    let least = range.min.unwrap_or(i64::MIN);
-    let greatest = range.max.unwrap_or(i64::MAX);
-    let edited = edited.max(least).min(greatest);
-    (response.changed() && edited != value).then_some(edited)
-}
-
-/// Ends of the slider: the soft range, where it is absent the hard one; `None` if a side is open.
-fn slider_ends<T>(
-    soft_min: Option<T>,
-    min: Option<T>,
-    soft_max: Option<T>,
-    max: Option<T>,
-) -> Option<(T, T)> {
-    soft_min.or(min).zip(soft_max.or(max))
-}
-
-fn suffix(unit: &str) -> String {
-    if unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {unit}")
-    }
-}
-
-fn choice_ui(ui: &mut Ui, options: &[ChoiceOption], chosen: &str) -> Option<String> {
-    let label_of = |id: &str| {
-        let option = options.iter().find(|option| option.id == id);
-        option.map_or(id.to_owned(), |option| option.label.clone())
-    };
-    let mut edited = chosen.to_owned();
-    ComboBox::from_id_salt("choice")
-        .selected_text(label_of(chosen))
-        .show_ui(ui, |ui| {
-            for option in options {
-                ui.selectable_value(&mut edited, option.id.clone(), &option.label);
-            }
-        });
-    (edited != chosen).then_some(edited)
-}
-
-/// Linear values; the picker shows and edits them as people see them.
-fn colour_ui(ui: &mut Ui, value: [f64; 4]) -> Option<[f64; 4]> {
-    let mut edited = value.map(|channel| channel as f32);
-    let response = ui.color_edit_button_rgba_unmultiplied(&mut edited);
-    response.changed().then(|| edited.map(f64::from))
-}
-
-/// A text is taken when the field is left or Enter is pressed, not at every letter.
-fn text_ui(ui: &mut Ui, value: &str) -> Option<String> {
-    let draft_id = ui.scope_id().with("draft");
-    let mut draft = ui
-        .data(|data| data.get_temp::<String>(draft_id))
-        .unwrap_or_else(|| value.to_owned());
-    let response = ui.add(TextEdit::singleline(&mut draft));
-    if response.has_focus() {
-        ui.data_mut(|data| data.insert_temp(draft_id, draft));
-        return None;
-    }
-    ui.data_mut(|data| data.remove::<String>(draft_id));
-    (response.lost_focus() && draft != value).then_some(draft)
 }

@@ -1,25 +1,46 @@
-//! The *View* tab: camera, background, and how the picture is shown.
+//! The *View* tab: how the picture is shown, the camera, and stored views.
 
 use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
+use pointstage_engine::frame::legend::Legend;
 use pointstage_engine::stage::Background;
-use pointstage_scene::{Camera, Projection};
 
-use crate::window::intent::{CameraIntent, Intents, ViewIntent};
+use super::camera::{CameraTab, camera_ui};
+use super::pacing::pacing_ui;
+use super::view_list::view_list_ui;
+use crate::window::intent::{Intents, ViewIntent};
 use crate::window::menu::show_choices_ui;
-use crate::window::navigation::{Axis, CameraMove, UpAxis, fov_degrees};
+use crate::window::pacing::Pacing;
 use crate::window::session::{DEFAULT_BACKGROUND, ViewOptions};
+use crate::window::views::StoredViews;
 
 /// The first colour of a background of one colour.
 const WHITE: Background = Background::Solid([1.0; 3]);
+
+/// Backgrounds at a click.
+const BACKGROUNDS: [(&str, Background); 4] = [
+    ("Default", DEFAULT_BACKGROUND),
+    ("White", WHITE),
+    ("Grey", Background::Solid([0.5; 3])),
+    ("Black", Background::Solid([0.0; 3])),
+];
+
+/// As far as the exposure goes in stops: a factor of about a thousand either way.
+const MOST_STOPS: f32 = 10.0;
 
 /// What the tab shows.
 pub(crate) struct ViewTab<'a> {
     /// How the picture is shown.
     pub(crate) view: &'a ViewOptions,
-    /// The eye.
-    pub(crate) camera: &'a Camera,
+    /// How often it is drawn.
+    pub(crate) pacing: Pacing,
+    /// The camera's part.
+    pub(crate) camera: CameraTab<'a>,
+    /// Views that were kept.
+    pub(crate) views: &'a StoredViews,
     /// Targets that the renderer gives.
     pub(crate) targets: &'a [String],
+    /// What the colours of the shown target mean.
+    pub(crate) legend: Option<&'a Legend>,
 }
 
 /// The tab.
@@ -38,6 +59,9 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
                     });
             },
         );
+        if let Some(legend) = tab.legend {
+            ui.indent("legend", |ui| crate::window::legend::content_ui(ui, legend));
+        }
         factor_ui(
             ui,
             "Exposure",
@@ -46,6 +70,7 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
             ViewIntent::Exposure,
             out,
         );
+        stops_ui(ui, tab.view.exposure, out);
         factor_ui(
             ui,
             "Radius scale",
@@ -56,8 +81,12 @@ pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
         );
         background_ui(ui, tab.view.background, out);
         ui.separator();
-        ui.strong("Camera");
-        camera_ui(ui, tab.camera, out);
+        ui.strong("Pace");
+        pacing_ui(ui, tab.pacing, out);
+        ui.separator();
+        camera_ui(ui, &tab.camera, out);
+        ui.separator();
+        view_list_ui(ui, tab.views, out);
     });
 }
 
@@ -90,6 +119,23 @@ fn factor_ui(
     });
 }
 
+/// The exposure again, as photographers count it: one stop more is twice as bright.
+fn stops_ui(ui: &mut Ui, exposure: f32, out: &mut Intents) {
+    let help = "The exposure in stops: one more is twice as bright";
+    super::row(ui, "in stops", help, |ui| {
+        let stops = exposure.log2();
+        let mut edited = stops;
+        let drag = DragValue::new(&mut edited)
+            .speed(0.02)
+            .range(-MOST_STOPS..=MOST_STOPS)
+            .max_decimals(2)
+            .custom_formatter(|stops, _| format!("{stops:+.2}"));
+        if ui.add(drag).changed() && edited != stops {
+            out.push(ViewIntent::Exposure(edited.exp2()));
+        }
+    });
+}
+
 fn background_ui(ui: &mut Ui, background: Background, out: &mut Intents) {
     let mut edited = background;
     super::row(ui, "Background", "What lies behind the scene", |ui| {
@@ -114,6 +160,16 @@ fn background_ui(ui: &mut Ui, background: Background, out: &mut Intents) {
             super::row(ui, "Bottom", "", |ui| srgb_ui(ui, bottom));
         }
     }
+    super::row(ui, "", "", |ui| {
+        for (name, preset) in BACKGROUNDS {
+            let is_now = preset == background;
+            let button = ui.selectable_label(is_now, name);
+            let button = button.accessible_name(format!("{name} background"));
+            if button.clicked() && !is_now {
+                edited = preset;
+            }
+        }
+    });
     if edited != background {
         out.push(ViewIntent::Background(edited));
     }
@@ -133,70 +189,4 @@ fn srgb_ui(ui: &mut Ui, colour: &mut [f32; 3]) {
     if ui.color_edit_button_srgb(&mut bytes).changed() {
         *colour = bytes.map(|byte| f32::from(byte) / 255.0);
     }
-}
-
-fn camera_ui(ui: &mut Ui, camera: &Camera, out: &mut Intents) {
-    super::row(ui, "Projection", "O switches", |ui| {
-        let is_perspective = fov_degrees(camera).is_some();
-        let perspective = ui.selectable_label(is_perspective, "perspective");
-        let orthographic = ui.selectable_label(!is_perspective, "orthographic");
-        if (perspective.clicked() && !is_perspective) || (orthographic.clicked() && is_perspective)
-        {
-            out.push(CameraIntent::Move(CameraMove::SwitchProjection));
-        }
-    });
-    match camera.projection {
-        Projection::Perspective { fov_y_rad } => {
-            super::row(ui, "Field of view", "Full vertical angle", |ui| {
-                let mut degrees = fov_y_rad.to_degrees();
-                let slider = Slider::new(&mut degrees, 5.0..=120.0)
-                    .suffix("°")
-                    .max_decimals(1);
-                if ui.add(slider).changed() {
-                    let fov_y_rad = degrees.to_radians();
-                    out.push(CameraIntent::Project(Projection::Perspective { fov_y_rad }));
-                }
-            });
-        }
-        Projection::Orthographic { height } => {
-            super::row(ui, "Height", "Of the picture, scene units", |ui| {
-                let mut edited = height;
-                let drag = DragValue::new(&mut edited)
-                    .speed(height * 0.01)
-                    .max_decimals(6);
-                if ui.add(drag).changed() && edited > 0.0 && edited.is_finite() {
-                    out.push(CameraIntent::Project(Projection::Orthographic {
-                        height: edited,
-                    }));
-                }
-            });
-        }
-    }
-    super::row(
-        ui,
-        "Up",
-        "The axis that points upwards: Y for models, Z for maps and many scanners",
-        |ui| {
-            let now = UpAxis::of(camera);
-            for (axis, name) in [(UpAxis::Y, "Y"), (UpAxis::Z, "Z")] {
-                if ui.selectable_label(axis == now, name).clicked() && axis != now {
-                    out.push(CameraIntent::Move(CameraMove::Upwards(axis)));
-                }
-            }
-        },
-    );
-    ui.horizontal_wrapped(|ui| {
-        if ui
-            .button("Frame scene")
-            .on_hover_text("F or Home")
-            .clicked()
-        {
-            out.push(CameraIntent::Move(CameraMove::Frame));
-        }
-        for (axis, name) in Axis::ALL {
-            if ui.button(name).clicked() {
-                out.push(CameraIntent::Move(CameraMove::Axis(axis)));
-            }
-        }
-    });
 }

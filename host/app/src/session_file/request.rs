@@ -1,0 +1,44 @@
+//! The session of one picture, so that the picture can be made again.
+
+use std::collections::BTreeMap;
+
+use pointstage_engine::stage::FrameRequest;
+use pointstage_scene::{ObjectId, ViewRecord, Warnings};
+
+use super::{SceneFile, SessionFile};
+use crate::toml_form::Look;
+
+impl SessionFile {
+    /// The session that draws what `request` asks for. `warnings` are what loading each object gave; objects that came
+    /// from no file are left out.
+    pub(crate) fn of_request(
+        request: &FrameRequest,
+        warnings: &BTreeMap<ObjectId, Warnings>,
+    ) -> Self {
+        let [width, height] = request.size_px;
+        let mut session = Self::new(ViewRecord::new(request.camera, width, height));
+        let objects = request.scene.objects().iter();
+        session.scene = objects
+            .filter_map(|object| SceneFile::of(object, warnings.get(&object.id)))
+            .collect();
+        session.look = Look {
+            show: request.show.clone(),
+            background: request.background,
+            exposure: request.exposure,
+            radius_scale: request.radius_scale,
+        };
+        session.lights = request.lights.clone();
+        let mut keep = |id: &String, values: &pointstage_engine::stage::SettingValues| {
+            if !values.is_empty() {
+                session.settings.insert(id.clone(), values.clone());
+            }
+        };
+        keep(&request.renderer, &request.settings);
+        if let Some(structure) = &request.structure {
+            keep(structure, &request.structure_settings);
+        }
+        session.renderers.main = Some(request.renderer.clone());
+        session.renderers.structure.clone_from(&request.structure);
+        session
+    }
+}

@@ -1,0 +1,98 @@
+//! One object of a session's scene: its file, how to load it, and what is not in it.
+
+use std::path::PathBuf;
+
+use glam::DAffine3;
+use pointstage_scene::{
+    Estimation, LoadOptions, Material, Object, Provenance, WarningKind, Warnings, Winding,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::toml_form;
+
+/// An object as a session keeps it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SceneFile {
+    /// What it is read from: absolute in memory, relative to the session file on disk where possible.
+    pub(crate) file: PathBuf,
+    /// Name for people; empty for the file's own.
+    #[serde(default)]
+    pub(crate) name: String,
+    /// Whether it is drawn.
+    #[serde(default = "yes")]
+    pub(crate) visible: bool,
+    /// Whether its mesh is turned inside out while loading.
+    #[serde(default)]
+    pub(crate) flipped: bool,
+    /// Whether missing normals and radii are estimated however long it takes; otherwise only for small files.
+    #[serde(default)]
+    pub(crate) estimated: bool,
+    /// Where it stands: the map from the file's coordinates to the world, 3 × 4, column by column.
+    #[serde(default, deserialize_with = "toml_form::transform")]
+    pub(crate) transform: DAffine3,
+    /// How it takes light.
+    #[serde(default, deserialize_with = "toml_form::material")]
+    pub(crate) material: Material,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl SceneFile {
+    /// A file as it is, with everything by default.
+    pub(crate) fn new(file: PathBuf) -> Self {
+        Self {
+            file,
+            name: String::new(),
+            visible: true,
+            flipped: false,
+            estimated: false,
+            transform: DAffine3::IDENTITY,
+            material: Material::default(),
+        }
+    }
+
+    /// The entry of an object; `None` for one that came from no file. `warnings` are what loading it gave.
+    pub(crate) fn of(object: &Object, warnings: Option<&Warnings>) -> Option<Self> {
+        let source = object.source.as_ref()?;
+        let origins = &object.geometry.origins;
+        let is_flipped = |warnings: &Warnings| warnings.count(&WarningKind::Flipped) > 0;
+        Some(Self {
+            file: std::path::absolute(source).unwrap_or_else(|_| source.clone()),
+            name: object.name.clone(),
+            visible: object.visible,
+            flipped: warnings.is_some_and(is_flipped),
+            estimated: [origins.normals, origins.radii].contains(&Provenance::Estimated),
+            transform: object.world_from_object,
+            material: object.material,
+        })
+    }
+
+    /// How its file is loaded.
+    pub(crate) fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            estimation: if self.estimated {
+                Estimation::Always
+            } else {
+                Estimation::Automatic
+            },
+            winding: if self.flipped {
+                Winding::Flipped
+            } else {
+                Winding::AsInFile
+            },
+            ..LoadOptions::default()
+        }
+    }
+
+    /// Gives a loaded object what its file does not hold.
+    pub(crate) fn dress(&self, object: &mut Object) {
+        if !self.name.is_empty() {
+            object.name.clone_from(&self.name);
+        }
+        object.visible = self.visible;
+        object.world_from_object = self.transform;
+        object.material = self.material;
+    }
+}

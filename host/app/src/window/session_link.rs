@@ -1,0 +1,220 @@
+//! The window's session as a session file, and back: what the worker loads, and how it takes the window's place.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use pointstage_engine::stage::Severity;
+use pointstage_scene::{Job, LoadError, Loaded, NearClipping, Scene, load};
+
+use super::app::App;
+use super::history::History;
+use super::intent::OpenMode;
+use super::loading::{Arrival, Batch, Finished, Place, arrive};
+use super::remembered::{stored_views, views_to_store};
+use super::tasks::guarded;
+use crate::session_file::{Renderers, SceneFile, SessionFile};
+use crate::toml_form::Look;
+
+/// A session with all of its objects that could be loaded.
+#[derive(Debug)]
+pub(crate) struct OpenedSession {
+    /// Where it was read.
+    pub(crate) path: PathBuf,
+    /// What it says.
+    pub(crate) file: SessionFile,
+    /// Its objects, in order.
+    pub(crate) objects: Vec<Loaded>,
+    /// Entries without an object.
+    pub(crate) absent: Vec<SceneFile>,
+    /// Why each of those has none.
+    pub(crate) complaints: Vec<String>,
+}
+
+/// Reads a session and loads its scene; runs on the worker. The window stays as it is until all is there.
+pub(crate) fn load_session(path: &Path, job: &Job) -> Finished {
+    let name = path.display();
+    guarded(
+        || read_and_load(path, job),
+        |panic| {
+            Finished::Failed(format!(
+                "{name}: loading the session stopped by a defect ({panic}); please report it with the file"
+            ))
+        },
+    )
+}
+
+fn read_and_load(path: &Path, job: &Job) -> Finished {
+    let file = match SessionFile::read(path) {
+        Ok(file) => file,
+        Err(error) => return Finished::Failed(error.to_string()),
+    };
+    let mut opened = OpenedSession {
+        path: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
+        objects: Vec::new(),
+        absent: Vec::new(),
+        complaints: Vec::new(),
+        file,
+    };
+    let missing = opened.file.missing_files();
+    if !missing.is_empty() {
+        let error = crate::session_file::SessionFileError::Missing {
+            session: path.to_path_buf(),
+            files: missing.clone(),
+        };
+        opened.complaints.push(error.to_string());
+    }
+    for entry in &opened.file.scene {
+        if missing.contains(&entry.file) {
+            opened.absent.push(entry.clone());
+            continue;
+        }
+        match load(&entry.file, &entry.load_options(), job) {
+            Ok(mut loaded) => {
+                entry.dress(&mut loaded.object);
+                opened.objects.push(loaded);
+            }
+            Err(LoadError::Cancelled(_)) => return Finished::Cancelled(path.display().to_string()),
+            Err(error) => {
+                opened.complaints.push(error.to_string());
+                opened.absent.push(entry.clone());
+            }
+        }
+    }
+    Finished::Session(Box::new(opened))
+}
+
+impl App {
+    /// Puts a session in the place of all that the window shows.
+    pub(super) fn take_over(&mut self, opened: OpenedSession) {
+        let now = Instant::now();
+        let OpenedSession {
+            path,
+            file,
+            objects,
+            absent,
+            complaints,
+        } = opened;
+        for complaint in complaints {
+            self.log.error(complaint, now);
+        }
+        let batch = Batch(self.next_batch);
+        self.next_batch += 1;
+        self.session.clear_scene();
+        self.shown_batch = None;
+        for loaded in objects {
+            let place = Place::New(batch, OpenMode::Replace);
+            let session = &mut self.session;
+            let _: Arrival = arrive(session, &mut self.shown_batch, loaded, place, &mut self.log);
+        }
+        let SessionFile {
+            view,
+            renderers,
+            look,
+            lights,
+            settings,
+            presets,
+            views,
+            ..
+        } = file;
+        // A view that the camera flies to must not carry it away from the session's.
+        let around = self.surroundings();
+        self.navigator.stop(&mut self.session.camera, &around);
+        let session = &mut self.session;
+        session.camera = view.camera();
+        session.near = NearClipping::of(&session.camera);
+        session.view = look.into();
+        session.lights = lights;
+        session.settings = settings;
+        session.active_presets = presets;
+        session.views = stored_views(views);
+        if let Some(main) = renderers.main {
+            session.renderer = main;
+        }
+        session.preview = renderers.preview;
+        session.structure = renderers.structure;
+        // What was undone led to another session.
+        self.history = History::default();
+        tracing::info!("session opened: {}", path.display());
+        self.remembered.note(&path);
+        self.remembered.absent = absent;
+        // A picture holds a session, but is no place to save one.
+        let is_session_file = path
+            .extension()
+            .is_some_and(|extension| extension == "toml");
+        self.remembered.session_path = is_session_file.then_some(path);
+        self.tell_of_missing_renderers();
+    }
+
+    /// Warns of renderers that the session names and that are not there, once plugins are known.
+    pub(super) fn tell_of_missing_renderers(&mut self) {
+        if self.rows.renderers.is_empty() {
+            return;
+        }
+        let now = Instant::now();
+        let main = Some(&self.session.renderer).filter(|id| !id.is_empty());
+        let named = main.into_iter().chain(&self.session.preview);
+        let missing: Vec<String> = named
+            .filter(|id| self.rows.renderer(id).is_none())
+            .cloned()
+            .collect();
+        for id in missing {
+            let text = format!(
+                "The renderer '{id}' is not there; another one draws. Its settings are kept: install its plugin to have it back."
+            );
+            self.log.say(Severity::Warning, text, now);
+        }
+    }
+
+    /// The session as a file holds it.
+    pub(super) fn session_file(&self) -> SessionFile {
+        let Self {
+            session,
+            remembered,
+            ..
+        } = self;
+        let mut file = SessionFile::new(self.view_record());
+        file.scene = entries_of(&session.scene, |id| session.warnings.get(&id));
+        file.scene.extend(remembered.absent.iter().cloned());
+        let main = Some(&session.renderer).filter(|id| !id.is_empty());
+        file.renderers = Renderers {
+            main: main.cloned(),
+            preview: session.preview.clone(),
+            structure: session.structure.clone(),
+        };
+        file.look = Look::from(&session.view);
+        file.lights = session.lights.clone();
+        file.settings = session.settings.clone();
+        file.presets = session.active_presets.clone();
+        file.views = views_to_store(&session.views);
+        file
+    }
+
+    /// A name for the session's file: beside the first object, called like it.
+    pub(super) fn suggested_session_path(&self) -> PathBuf {
+        if let Some(path) = &self.remembered.session_path {
+            return path.clone();
+        }
+        let objects = self.session.scene.objects().iter();
+        let first = objects.filter_map(|object| object.source.as_deref()).next();
+        let name = first.and_then(Path::file_stem);
+        let name = name.map_or_else(|| "session".into(), |stem| stem.to_string_lossy());
+        let name = format!("{name}{}", crate::session_file::SUFFIX);
+        let folder = first
+            .and_then(Path::parent)
+            .map(Path::to_path_buf)
+            .or_else(|| etcetera::home_dir().ok())
+            .unwrap_or_default();
+        let path = folder.join(name);
+        std::path::absolute(&path).unwrap_or(path)
+    }
+}
+
+fn entries_of<'a>(
+    scene: &Scene,
+    warnings: impl Fn(pointstage_scene::ObjectId) -> Option<&'a pointstage_scene::Warnings>,
+) -> Vec<SceneFile> {
+    let objects = scene.objects().iter();
+    objects
+        .filter_map(|object| SceneFile::of(object, warnings(object.id)))
+        .collect()
+}

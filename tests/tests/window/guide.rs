@@ -1,0 +1,170 @@
+//! The steps of the user guide, one after the other, and the pictures in it.
+//!
+//! At the gate this is a test that each step leads where the guide says. With `POINTSTAGE_PICTURES=1`, as `cargo xtask
+//! pictures` sets it, what the display shows after each step is written to `docs/pictures/`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+use image::RgbaImage;
+use pointstage_tests::data::repository;
+use pointstage_tests::golden;
+use pointstage_tests::program::Program;
+use pointstage_tests::window::State;
+
+use super::SURFEL;
+use super::desk::{Desk, POINTS};
+
+/// The sample that the pictures show.
+const SAMPLE: &str = "knotted_snake";
+
+/// Where the snake's body is, px.
+const ON_THE_SNAKE: (i16, i16) = (300, 330);
+
+#[test]
+fn each_step_of_the_guide_leads_where_it_says() -> Result<()> {
+    let Some(mut desk) = Desk::open(Program::find()?, &[])? else {
+        return Ok(());
+    };
+    welcome(&mut desk)?;
+    renderer(&mut desk)?;
+    inspector(&mut desk)?;
+    tabs(&mut desk)?;
+    views(&mut desk)?;
+    targets(&mut desk)?;
+    dialogs(&mut desk)?;
+    desk.close()
+}
+
+/// Writes what the display shows, if pictures are wanted.
+fn picture(desk: &Desk, name: &str) -> Result<()> {
+    if std::env::var_os("POINTSTAGE_PICTURES").is_none() {
+        return Ok(());
+    }
+    let path: PathBuf = repository().join("docs/pictures").join(name);
+    golden::write(
+        &without_noise(&desk.window.capture()?),
+        &path.with_extension("png"),
+    )
+}
+
+/// Five bits a channel: texts and colours look the same, and the file has half the size.
+fn without_noise(picture: &RgbaImage) -> RgbaImage {
+    let mut picture = picture.clone();
+    for pixel in picture.pixels_mut() {
+        for channel in &mut pixel.0[..3] {
+            *channel = (*channel & 0xf8) | (*channel >> 5);
+        }
+    }
+    picture
+}
+
+/// Waits until all is quiet and the pointer's tooltip is gone.
+fn rest(desk: &mut Desk, what: &str, accept: impl Fn(&State) -> bool) -> Result<()> {
+    desk.window.point_at(8, 712)?;
+    desk.window.settle(what, accept).map(drop)
+}
+
+fn welcome(desk: &mut Desk) -> Result<()> {
+    rest(desk, "the welcome", |state| {
+        state.shows("Nothing on the stage yet")
+    })?;
+    picture(desk, "welcome")?;
+    desk.window.click_on("Button", "knotted snake")?;
+    rest(desk, "the sample", |state| {
+        state.objects() == [SAMPLE] && state.session("drawn_by") == POINTS
+    })
+}
+
+fn renderer(desk: &mut Desk) -> Result<()> {
+    desk.window.click_on("RadioButton", "Surfels")?;
+    desk.window
+        .settle("surfels", |state| state.session("drawn_by") == SURFEL)?;
+    let before = desk
+        .window
+        .wait_for_state("a view", |state| Some(state.session("view").clone()))?;
+    desk.window.drag((370, 360), (430, 400), 1)?;
+    rest(desk, "the turned snake", |state| {
+        *state.session("view") != before
+    })?;
+    picture(desk, "window")
+}
+
+fn inspector(desk: &mut Desk) -> Result<()> {
+    let (x, y) = ON_THE_SNAKE;
+    desk.window.press_keys("shift+i")?;
+    let kept = desk
+        .window
+        .settle("a surfel in the middle, or none", |_| true)?;
+    if kept.session("pinned").is_null() {
+        desk.window.click(x, y, 1)?;
+    }
+    rest(desk, "the surfel", |state| {
+        state.session("pinned")["object"] == SAMPLE && state.shows("Targets at pixel")
+    })?;
+    picture(desk, "inspector")?;
+    desk.window.press_keys("Escape")?;
+    desk.window.press_keys("i")?;
+    rest(desk, "no inspector", |state| {
+        state.session("pinned").is_null() && !state.shows("Point at a surface")
+    })
+}
+
+fn tabs(desk: &mut Desk) -> Result<()> {
+    for (tab, text, name) in [
+        ("Lighting", "Material", "lighting"),
+        ("Plugins", "Reload", "plugins"),
+        ("Scene", "95\u{2009}904 surfels", "scene"),
+    ] {
+        desk.window.click_on("Tab", tab)?;
+        rest(desk, tab, |state| state.shows(text))?;
+        picture(desk, name)?;
+    }
+    Ok(())
+}
+
+fn views(desk: &mut Desk) -> Result<()> {
+    desk.window.click_on("Tab", "View")?;
+    for keys in ["z", "x"] {
+        desk.window.press_keys(keys)?;
+        rest(desk, "the camera to rest", |_| true)?;
+        desk.scroll_settings_to("Button", "Keep this view")?;
+        desk.window.click_on("Button", "Keep this view")?;
+    }
+    rest(desk, "two views", |state| {
+        let named = state.session("views")["named"].as_array();
+        named.is_some_and(|named| named.len() == 2)
+    })?;
+    picture(desk, "views")
+}
+
+fn targets(desk: &mut Desk) -> Result<()> {
+    desk.window.press_keys("ctrl+p")?;
+    desk.window.find("TextInput", "Find")?;
+    desk.window.type_text("normals")?;
+    desk.window.wait_for_state("the entry", |state| {
+        state.widget("Button", "Show: Normals").map(drop)
+    })?;
+    picture(desk, "palette")?;
+    desk.window.press_keys("Return")?;
+    rest(desk, "normals", |state| {
+        state.session("show") == "Normals" && state.shows("towards the eye")
+    })?;
+    picture(desk, "normals")
+}
+
+fn dialogs(desk: &mut Desk) -> Result<()> {
+    desk.window.press_keys("ctrl+s")?;
+    rest(desk, "the dialog", |state| state.shows("Save image"))?;
+    picture(desk, "save_image")?;
+    desk.window.press_keys("Escape")?;
+    rest(desk, "the end of the dialog", |state| {
+        state.widget("CheckBox", "Transparent background").is_none()
+    })?;
+    desk.window.press_keys("F1")?;
+    rest(desk, "the keys", |state| {
+        state.shows("turn around the scene")
+    })
+    .context("Help lists the keys")?;
+    picture(desk, "keys")
+}
