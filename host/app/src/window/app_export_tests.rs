@@ -40,6 +40,8 @@ fn ctrl_s_saves_what_is_shown_and_says_where() {
         wait_until(&mut harness, |harness| {
             harness.query_by_label("Copy path").is_some()
         });
+        // Until it stands where it will stay.
+        harness.run_steps(3);
         let saved = format!("Saved {}", image.display());
         harness.get_by_label_contains(&saved);
         assert!(

@@ -147,7 +147,10 @@ impl SaveImage {
         if response.changed() {
             self.asks_to_replace = false;
         }
-        response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
+        // Enter leaves the keyboard to nobody. Where another widget has it, Enter was meant for that one.
+        let is_entered = ui.input(|input| input.key_pressed(Key::Enter));
+        let is_left = ui.memory(|memory| memory.focused().is_none());
+        response.lost_focus() && is_left && is_entered
     }
 
     fn size_ui(&mut self, ui: &mut Ui, view_px: [u32; 2]) {
