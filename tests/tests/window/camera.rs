@@ -66,7 +66,9 @@ fn a_view_is_kept_in_the_list_renamed_and_recalled() -> Result<()> {
     desk.window.settle("the list", |state| {
         state.session("views")["named"] == serde_json::json!(["View 1"])
     })?;
-    desk.turn()?;
+    desk.window.press_keys("x")?;
+    desk.window
+        .settle("another view", |state| *state.session("view") != kept)?;
     desk.scroll_settings_to("Button", "Recall View 1")?;
     desk.window.click_on("Button", "Recall View 1")?;
     desk.window

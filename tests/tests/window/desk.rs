@@ -83,14 +83,14 @@ impl Desk {
     pub(super) fn scroll_settings_to(&mut self, role: &str, name: &str) -> Result<Widget> {
         let (width, height) = (SIZE.0.cast_signed(), SIZE.1.cast_signed());
         // The menu and the tabs above, the status bar below.
-        let (top, bottom) = (80, height - 40);
+        let (top, bottom) = (80, height - 30);
         for _ in 0..30 {
             let widget = self.window.find(role, name)?;
-            let [_, above, _, below] = widget.rect;
-            let clicks = match () {
-                () if below > bottom => -1,
-                () if above < top => 1,
-                () => return Ok(widget),
+            let (_, middle) = widget.middle();
+            let clicks = match middle {
+                middle if middle > bottom => -1,
+                middle if middle < top => 1,
+                _ => return Ok(widget),
             };
             self.window.scroll(width - 60, height / 2, clicks)?;
             self.window

@@ -163,7 +163,13 @@ impl Gestures<'_> {
         let (delta, scroll, keys, secs) = ui.input(|input| {
             let scroll = input.smooth_scroll_delta().y;
             let secs = f64::from(input.stable_dt);
-            (input.pointer.delta(), scroll, FlyKeys::held(input), secs)
+            // The way to where the button went down is no way to look.
+            let delta = if input.pointer.any_pressed() {
+                egui::Vec2::ZERO
+            } else {
+                input.pointer.delta()
+            };
+            (delta, scroll, FlyKeys::held(input), secs)
         });
         if delta != egui::Vec2::ZERO {
             let [right, up] = self.heights(delta);

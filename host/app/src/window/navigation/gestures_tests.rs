@@ -326,6 +326,18 @@ fn the_right_button_flies_looks_and_changes_the_speed() {
 }
 
 #[test]
+fn the_way_to_where_the_right_button_goes_down_does_not_look() {
+    let mut harness = usual();
+    point(&mut harness, 0.1, 0.1);
+    let middle = at(&harness, 0.5, 0.5);
+    // In one pass with the press, as on a slow machine.
+    harness.input_mut().events.push(Event::PointerMoved(middle));
+    press(&mut harness, middle, PointerButton::Secondary, true);
+    let moves = harness.state().moves();
+    assert!(moves.is_empty(), "{moves:?}");
+}
+
+#[test]
 fn letters_alone_do_not_fly() {
     let mut harness = usual();
     point(&mut harness, 0.5, 0.5);

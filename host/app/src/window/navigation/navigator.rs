@@ -97,6 +97,7 @@ impl Navigator {
     }
 
     /// Where the camera will be when all is done.
+    #[cfg(test)]
     pub(crate) fn destination(&self, camera: &Camera) -> Camera {
         self.flight.map_or(*camera, |flight| flight.target())
     }
