@@ -28,8 +28,14 @@ fn fill_in(desk: &mut Desk, path: &Path, size: Option<[&str; 2]>) -> Result<()> 
         window.type_text(value)?;
         window.press_keys("Return")?;
         window.wait_for_state("the typed size", |state| {
+            let shown = state.widget("SpinButton", name)?.value;
+            // A number, or a text with a unit.
             let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
-            (digits(&state.widget("SpinButton", name)?.value) == value).then_some(())
+            let is_there = match shown.as_f64() {
+                Some(number) => value.parse() == Ok(number),
+                None => digits(&shown.to_string()) == value,
+            };
+            is_there.then_some(())
         })?;
     }
     Ok(())
