@@ -16,6 +16,7 @@ use super::dialogs::{FileDialog, PathField};
 use super::folder_dialog::FolderDialog;
 use super::frame_times::FrameTimes;
 use super::history::History;
+use super::host_times::HostTimes;
 use super::inspector::Inspector;
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
 use super::loading::{Arrival, Batch, Finished, arrive};
@@ -52,6 +53,7 @@ pub(crate) struct App {
     pub(super) navigator: Navigator,
     pub(super) pacer: Pacer,
     pub(super) frame_times: FrameTimes,
+    pub(super) host_times: HostTimes,
     pub(super) memory: Memory,
     pub(super) panels: Panels,
     pub(super) palette: Palette,
@@ -141,6 +143,7 @@ impl App {
             navigator: Navigator::default(),
             pacer: Pacer::default(),
             frame_times: FrameTimes::default(),
+            host_times: HostTimes::default(),
             memory: Memory::default(),
             panels: Panels::default(),
             palette: Palette::default(),
@@ -171,6 +174,7 @@ impl App {
 
     /// One pass: what workers finished, the interface, what the user asked for, the next picture.
     pub(crate) fn pass(&mut self, ui: &mut Ui) {
+        self.host_times.pass_begins();
         let ctx = ui.ctx().clone();
         // Asked before the answers are taken: one that comes in between is taken by the next pass.
         let was_stage_idle = self.stage.is_idle();
@@ -320,7 +324,6 @@ impl App {
         let was = self.shown.as_ref().map(|shown| shown.drawn_by.clone());
         if was.as_ref() != Some(&result.drawn_by) {
             tracing::info!("drawn by {}", result.drawn_by);
-            self.pacer.forget();
         }
         let transition = if takes_over && self.session.pacing.cross_fade {
             Transition::CrossFade
@@ -331,6 +334,7 @@ impl App {
         self.frame_times.note(result.stats.total, now);
         self.inspector.learn(&result);
         self.learn_pace(&result);
+        self.host_times.shown(&result.stats, now);
         let refine = result.progress < 1.0 && result.preparing.is_none();
         self.shown = Some(result);
         refine
@@ -353,8 +357,8 @@ impl App {
         };
         if result.preparing.is_none() {
             let scale = result.picture.size_px[1] as f32 / viewport.size_px[1] as f32;
-            self.pacer
-                .took(&self.session.pacing, result.stats.total, scale);
+            let (pacing, time) = (&self.session.pacing, result.stats.total);
+            self.pacer.took(pacing, &result.drawn_by, time, scale);
         }
     }
 
@@ -380,6 +384,7 @@ impl App {
         self.pacer.asked(now);
         let request = self.asking.request(look, &self.session);
         self.stage.submit(request);
+        self.host_times.asked();
         true
     }
 
@@ -425,6 +430,12 @@ impl App {
                 Interaction::STILL if pauses => Interaction::HELD,
                 other => other,
             },
+            time_budget: self
+                .session
+                .pacing
+                .target_rate
+                .filter(|_| is_moving)
+                .map(|rate| Duration::from_secs(1) / rate.max(1)),
             read_back: if is_moving {
                 Vec::new()
             } else {

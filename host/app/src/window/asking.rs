@@ -1,5 +1,7 @@
 //! When to ask the stage for a picture, and for which.
 
+use std::time::Duration;
+
 use pointstage_engine::stage::{FrameRequest, Patience, Role, SettingValues};
 use pointstage_plugin_api::abi::{Interaction, Purpose};
 use pointstage_scene::{Camera, Lights, Revision};
@@ -17,6 +19,8 @@ pub(crate) struct Wish {
     pub(crate) size_px: [u32; 2],
     /// What the user does.
     pub(crate) interaction: Interaction,
+    /// How long the renderer may take, if it can stop in time.
+    pub(crate) time_budget: Option<Duration>,
     /// Targets whose values are wanted beside the picture.
     pub(crate) read_back: Vec<String>,
 }
@@ -116,6 +120,7 @@ impl Look {
             structure_settings: structure_settings.clone(),
             actions,
             read_back: wish.read_back.clone(),
+            time_budget: wish.time_budget,
             show: view.show.clone(),
             background: view.background,
             exposure: view.exposure,
@@ -148,6 +153,7 @@ mod tests {
             role: Role::Main,
             size_px: [4, 3],
             interaction,
+            time_budget: None,
             read_back: Vec::new(),
         }
     }

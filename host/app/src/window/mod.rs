@@ -27,6 +27,7 @@ mod frame_times;
 mod gizmo;
 mod help;
 mod history;
+mod host_times;
 mod inspector;
 mod intent;
 mod layout;

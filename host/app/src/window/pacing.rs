@@ -36,6 +36,8 @@ pub(crate) struct Pacer {
     asked_at: Option<Instant>,
     /// Moving pictures are drawn in this part of their width and height.
     scale: f32,
+    /// The renderer from whose pictures was learnt.
+    learnt_from: String,
     /// Time and scale of the last moving picture.
     last: Option<(Duration, f32)>,
     /// Fewer pixels did not make it faster: what takes the time is something else.
@@ -49,6 +51,7 @@ impl Default for Pacer {
         Self {
             asked_at: None,
             scale: 1.0,
+            learnt_from: String::new(),
             last: None,
             is_useless: false,
             is_waiting: false,
@@ -90,13 +93,14 @@ impl Pacer {
         }
     }
 
-    /// Learns from the time that a moving picture took, drawn in this part of the viewport's height.
-    pub(crate) fn took(&mut self, pacing: &Pacing, time: Duration, scale: f32) {
+    /// Learns from the time that a renderer's moving picture took, drawn in this part of the viewport's height.
+    pub(crate) fn took(&mut self, pacing: &Pacing, renderer: &str, time: Duration, scale: f32) {
+        if self.learnt_from != renderer {
+            self.forget();
+            renderer.clone_into(&mut self.learnt_from);
+        }
         let Some(rate) = pacing.target_rate else {
-            *self = Self {
-                asked_at: self.asked_at,
-                ..Self::default()
-            };
+            self.forget();
             return;
         };
         let wanted = 1.0 / f64::from(rate.max(1));
@@ -119,8 +123,7 @@ impl Pacer {
         }
     }
 
-    /// Forgets what was learnt: another renderer or scene.
-    pub(crate) fn forget(&mut self) {
+    fn forget(&mut self) {
         self.scale = 1.0;
         self.last = None;
         self.is_useless = false;
@@ -144,7 +147,7 @@ mod tests {
         for _ in 0..50 {
             let scale = pacer.moving_size(pacing, [1000, 1000])[1] as f32 / 1000.0;
             let time = Duration::from_secs_f64(time_of(f64::from(scale)));
-            pacer.took(pacing, time, scale);
+            pacer.took(pacing, "points", time, scale);
         }
         pacer.moving_size(pacing, [1000, 1000])[1] as f32 / 1000.0
     }

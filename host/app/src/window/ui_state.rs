@@ -183,6 +183,11 @@ impl App {
             "preview": session.preview,
             "role": self.role(),
             "hand_over_ms": self.roles.hand_over().map(|time| time.as_secs_f64() * 1e3),
+            "host_ms": {
+                "ask": self.host_times.ask.as_secs_f64() * 1e3,
+                "engine": self.host_times.engine.as_secs_f64() * 1e3,
+                "show": self.host_times.show.as_secs_f64() * 1e3,
+            },
             "picture_px": shown.map(|shown| shown.picture.size_px),
             "pinned": self.inspector.pinned_surfel().map(|(object, surfel)| json!({
                 "object": object,
