@@ -27,9 +27,10 @@ fn fill_in(desk: &mut Desk, path: &Path, size: Option<[&str; 2]>) -> Result<()> 
         window.press_keys("ctrl+a")?;
         window.type_text(value)?;
         window.press_keys("Return")?;
+        let number: f64 = value.parse()?;
         window.wait_for_state("the typed size", |state| {
-            let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
-            (digits(&state.widget("SpinButton", name)?.value) == value).then_some(())
+            let shown = state.widget("SpinButton", name)?.value.as_f64()?;
+            (shown == number).then_some(())
         })?;
     }
     Ok(())
