@@ -27,10 +27,15 @@ fn fill_in(desk: &mut Desk, path: &Path, size: Option<[&str; 2]>) -> Result<()> 
         window.press_keys("ctrl+a")?;
         window.type_text(value)?;
         window.press_keys("Return")?;
-        let number: f64 = value.parse()?;
         window.wait_for_state("the typed size", |state| {
-            let shown = state.widget("SpinButton", name)?.value.as_f64()?;
-            (shown == number).then_some(())
+            let shown = state.widget("SpinButton", name)?.value;
+            // A number, or a text with a unit.
+            let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
+            let is_there = match shown.as_f64() {
+                Some(number) => value.parse() == Ok(number),
+                None => digits(&shown.to_string()) == value,
+            };
+            is_there.then_some(())
         })?;
     }
     Ok(())
