@@ -141,9 +141,9 @@ impl Window {
         input::release(&self.connection, self.root, button)
     }
 
-    /// Drags with `button` between two places until `accept` says yes to the state.
+    /// Drags with `button` from one place to another and back, and so on, until `accept` says yes to the state.
     ///
-    /// The window may take all movements for one where it draws slowly, so they go on until they are seen.
+    /// The window may take all movements for one where it draws slowly, so each way is waited for.
     ///
     /// # Errors
     /// As for [`Window::wait_for_state`].
@@ -154,12 +154,23 @@ impl Window {
         button: u8,
         accept: impl Fn(&State) -> bool,
     ) -> Result<()> {
+        let (mut start, mut end) = (from, to);
         self.point_at(from.0, from.1)?;
         input::press(&self.connection, self.root, button)?;
+        input::glide(&self.connection, self.root, start, end)?;
         let found = wait_for(|| {
             self.must_run()?;
-            input::glide(&self.connection, self.root, from, to)?;
-            Ok(self.state()?.filter(&accept))
+            let Some(state) = self.state()? else {
+                return Ok(None);
+            };
+            if accept(&state) {
+                return Ok(Some(()));
+            }
+            if state.has_pointer_at(end.0, end.1) {
+                std::mem::swap(&mut start, &mut end);
+                input::glide(&self.connection, self.root, start, end)?;
+            }
+            Ok(None)
         });
         input::release(&self.connection, self.root, button)?;
         if found?.is_none() {

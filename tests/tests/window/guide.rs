@@ -83,10 +83,10 @@ fn renderer(desk: &mut Desk) -> Result<()> {
     let before = desk
         .window
         .wait_for_state("a view", |state| Some(state.session("view").clone()))?;
-    desk.window.drag((370, 360), (430, 400), 1)?;
-    rest(desk, "the turned snake", |state| {
+    desk.window.drag_until((370, 360), (430, 400), 1, |state| {
         *state.session("view") != before
     })?;
+    rest(desk, "the turned snake", |_| true)?;
     picture(desk, "window")
 }
 
