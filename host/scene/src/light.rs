@@ -167,10 +167,12 @@ mod tests {
 
     #[test]
     fn the_headlight_shines_alone_and_leaves_the_others_as_they_are() {
-        let mut lights = Lights::default();
-        lights.headlight = Headlight {
-            enabled: true,
-            strength: 0.5,
+        let mut lights = Lights {
+            headlight: Headlight {
+                enabled: true,
+                strength: 0.5,
+            },
+            ..Lights::default()
         };
         let shining = lights.enabled();
         assert_eq!(shining.len(), 1);

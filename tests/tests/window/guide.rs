@@ -141,9 +141,9 @@ fn views(desk: &mut Desk) -> Result<()> {
 fn targets(desk: &mut Desk) -> Result<()> {
     desk.window.press_keys("ctrl+p")?;
     desk.window.find("TextInput", "Find")?;
-    desk.window.type_text("normals")?;
-    desk.window.wait_for_state("the entry", |state| {
-        state.widget("Button", "Show: Normals").map(drop)
+    desk.window.type_text("show: normals")?;
+    desk.window.wait_for_state("the text", |state| {
+        (state.widget("TextInput", "Find")?.value == "show: normals").then_some(())
     })?;
     picture(desk, "palette")?;
     desk.window.press_keys("Return")?;

@@ -123,13 +123,11 @@ fn moving_pictures_of_a_slow_renderer_get_smaller_until_they_are_fast_enough() -
     desk.window.click_on("CheckBox", "Target rate")?;
     let name = "Target rate, pictures a second";
     let slider = desk.window.find("Slider", name)?;
-    // The number stands at the right end of its place.
-    let ([left, _, right, _], (_, y)) = (slider.rect, slider.middle());
+    let ([.., right, _], from) = (slider.rect, slider.middle());
     let fast = |state: &pointstage_tests::window::State| {
         state.session("pacing")["target_rate"].as_u64() > Some(45)
     };
-    desk.window
-        .drag_until((left + 20, y), (right - 90, y), 1, fast)?;
+    desk.window.drag_until(from, (right, from.1), 1, fast)?;
     let full = desk.window.settle("a still picture", |state| {
         state.session("picture_px").is_array()
     })?;
@@ -195,8 +193,8 @@ fn the_palette_finds_actions_and_settings_by_keyboard_alone() -> Result<()> {
     window.press_keys("ctrl+p")?;
     window.find("TextInput", "Find")?;
     window.type_text("from top")?;
-    window.wait_for_state("the entry", |state| {
-        state.widget("Button", "Look from: Top").map(|_| ())
+    window.wait_for_state("the text", |state| {
+        (state.widget("TextInput", "Find")?.value == "from top").then_some(())
     })?;
     window.press_keys("Return")?;
     window.settle("the view from above", |state| {
@@ -207,8 +205,8 @@ fn the_palette_finds_actions_and_settings_by_keyboard_alone() -> Result<()> {
     window.press_keys("ctrl+k")?;
     window.find("TextInput", "Find")?;
     window.type_text("hide backs")?;
-    window.wait_for_state("the entry", |state| {
-        state.widget("Button", "Hide backs").map(|_| ())
+    window.wait_for_state("the text", |state| {
+        (state.widget("TextInput", "Find")?.value == "hide backs").then_some(())
     })?;
     window.press_keys("Return")?;
     // The setting's tab is shown, and the keyboard is on its check box.

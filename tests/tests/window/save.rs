@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use pointstage_tests::window::State;
 
 use super::desk::{Desk, coloured};
 
@@ -23,7 +24,13 @@ fn fill_in(desk: &mut Desk, path: &Path, size: Option<[&str; 2]>) -> Result<()> 
         .into_iter()
         .zip(size.into_iter().flatten())
     {
+        let passes = |state: &State| state.passes().unwrap_or_default();
+        let before = window.wait_for_state("a pass", |state| Some(passes(state)))?;
         window.click_on("SpinButton", name)?;
+        // The field opens some passes after the click, and its cursor goes on blinking.
+        window.wait_for_state("the field", |state| {
+            (passes(state) > before + 6).then_some(())
+        })?;
         window.press_keys("ctrl+a")?;
         window.type_text(value)?;
         window.press_keys("Return")?;

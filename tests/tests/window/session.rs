@@ -101,7 +101,7 @@ fn a_window_goes_on_with_the_theme_the_scale_and_the_recent_files_of_the_last() 
     desk.window.click_on("Button", "Light")?;
     desk.window
         .settle("the light theme", |state| state.session("theme") == "light")?;
-    desk.window.press_keys("ctrl+equal")?;
+    desk.window.press_keys("ctrl+=")?;
     desk.window
         .settle("larger texts", |state| state.session("text_scale") == 1.25)?;
     let program = desk.close_and_keep()?;

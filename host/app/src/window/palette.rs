@@ -58,12 +58,8 @@ impl Palette {
         });
         let is_entered = ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
         let mut is_done = ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
-        let found = found(&self.text, entries(ctx, actions, renderer));
-        self.marked = self
-            .marked
-            .saturating_add_signed(step)
-            .min(found.len().saturating_sub(1));
-        let mut chosen = is_entered.then(|| found.get(self.marked)).flatten();
+        let all = entries(ctx, actions, renderer);
+        let mut chosen = None;
         let mut is_open = true;
         Window::new("Find an action or a setting")
             .open(&mut is_open)
@@ -71,7 +67,14 @@ impl Palette {
             .resizable(false)
             .collapsible(false)
             .show(ctx, |ui| {
+                // What was typed before Enter, in this very pass, counts.
                 self.field_ui(ui);
+                let found = found(&self.text, all);
+                self.marked = self
+                    .marked
+                    .saturating_add_signed(step)
+                    .min(found.len().saturating_sub(1));
+                let mut picked = is_entered.then_some(self.marked);
                 let height = (ctx.content_rect().height() - 180.0).clamp(60.0, 360.0);
                 ScrollArea::vertical()
                     .max_height(height)
@@ -80,16 +83,17 @@ impl Palette {
                         for (index, entry) in found.iter().enumerate() {
                             let is_marked = index == self.marked;
                             if entry_ui(ui, entry, is_marked, step != 0) {
-                                chosen = Some(entry);
+                                picked = Some(index);
                             }
                         }
                         if found.is_empty() {
                             ui.weak("Nothing is called so.");
                         }
                     });
+                chosen = picked.and_then(|index| found.into_iter().nth(index));
             });
         if let Some(entry) = chosen.filter(|entry| entry.obstacle.is_none()) {
-            out.push(entry.intent.clone());
+            out.push(entry.intent);
             is_done = true;
         }
         if is_done || !is_open {

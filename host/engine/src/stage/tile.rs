@@ -83,8 +83,8 @@ impl Tile {
 ///
 /// and likewise for y, which counts pixels downwards. Depth stays.
 fn tile_from_image(tile: Tile, size_px: [u32; 2]) -> DMat4 {
-    let [image, origin, size] = [tile.image_size_px, tile.origin_px, size_px]
-        .map(|pair| pair.map(|value| f64::from(value)));
+    let [image, origin, size] =
+        [tile.image_size_px, tile.origin_px, size_px].map(|pair| pair.map(f64::from));
     let scale = [0, 1].map(|axis| image[axis] / size[axis].max(1.0));
     let shift = [0, 1].map(|axis| (image[axis] - 2.0 * origin[axis]) / size[axis].max(1.0) - 1.0);
     DMat4::from_cols(
