@@ -156,6 +156,13 @@ impl Window {
     ) -> Result<()> {
         let (mut start, mut end) = (from, to);
         self.point_at(from.0, from.1)?;
+        // What the button goes down on is what the window saw under the pointer.
+        wait_for(|| {
+            self.must_run()?;
+            Ok(self
+                .state()?
+                .filter(|state| state.has_pointer_at(from.0, from.1)))
+        })?;
         input::press(&self.connection, self.root, button)?;
         input::glide(&self.connection, self.root, start, end)?;
         let found = wait_for(|| {

@@ -163,7 +163,7 @@ fn dialogs(desk: &mut Desk) -> Result<()> {
     })?;
     desk.window.press_keys("F1")?;
     rest(desk, "the keys", |state| {
-        state.shows("turn around the scene")
+        state.shows("turn around the pivot")
     })
     .context("Help lists the keys")?;
     picture(desk, "keys")

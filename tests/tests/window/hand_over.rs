@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result};
 use pointstage_tests::plugins;
 use pointstage_tests::program::Program;
+use pointstage_tests::window::State;
 use serde_json::json;
 
 use super::desk::{Desk, POINTS, coloured, same, sphere};
@@ -37,7 +38,7 @@ fn the_preview_draws_while_the_camera_moves_and_the_main_renderer_takes_over() -
         state.session("drawn_by") == SURFEL && state.session("hand_over_ms").is_number()
     })?;
     desk.wait_for_picture("surfels again", |picture| coloured(picture) > 40_000)?;
-    let shows_time = |state: &pointstage_tests::window::State| state.shows("took over in");
+    let shows_time = |state: &State| state.shows("took over in");
     desk.window.settle("the time it took", shows_time)?;
     desk.close()
 }
@@ -124,9 +125,7 @@ fn moving_pictures_of_a_slow_renderer_get_smaller_until_they_are_fast_enough() -
     let name = "Target rate, pictures a second";
     let slider = desk.window.find("Slider", name)?;
     let ([.., right, _], from) = (slider.rect, slider.middle());
-    let fast = |state: &pointstage_tests::window::State| {
-        state.session("pacing")["target_rate"].as_u64() > Some(45)
-    };
+    let fast = |state: &State| state.session("pacing")["target_rate"].as_u64() > Some(45);
     desk.window.drag_until(from, (right, from.1), 1, fast)?;
     let full = desk.window.settle("a still picture", |state| {
         state.session("picture_px").is_array()
@@ -165,7 +164,7 @@ fn a_click_keeps_a_surfel_and_a_double_click_turns_around_it() -> Result<()> {
     desk.window
         .settle("nothing kept", |state| state.session("pinned").is_null())?;
 
-    let pivot = |state: &pointstage_tests::window::State| state.session("view")["pivot"].clone();
+    let pivot = |state: &State| state.session("view")["pivot"].clone();
     let before = desk
         .window
         .settle("a pivot", |state| state.session("view").is_object())?;
@@ -251,10 +250,7 @@ fn nothing_is_redrawn_while_nothing_changes() -> Result<()> {
     };
     desk.window
         .settle("the sphere", |state| !state.shows("p95"))?;
-    let passes = |desk: &mut Desk| {
-        desk.window
-            .wait_for_state("the passes", |state| state.passes())
-    };
+    let passes = |desk: &mut Desk| desk.window.wait_for_state("the passes", State::passes);
     let before = passes(&mut desk)?;
     // What would be redrawn sixty times a second has every chance to.
     let start = Instant::now();

@@ -66,7 +66,9 @@ impl Bench {
         for other in BARS.iter().filter(|other| **other != id) {
             ensure!(
                 bar(&after, other) == bar(&self.picture, other),
-                "{id} changed the bar of {other}"
+                "{id} changed the bar of {other} from {:?} to {:?}",
+                bar(&self.picture, other),
+                bar(&after, other)
             );
         }
         self.picture = after;
