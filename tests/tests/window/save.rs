@@ -20,35 +20,41 @@ fn fill_in(desk: &mut Desk, path: &Path, size: Option<[&str; 2]>) -> Result<()> 
     window.wait_for_state("the typed path", |state| {
         (state.widget("TextInput", "File:")?.value == text).then_some(())
     })?;
-    for (name, value) in ["Width", "Height"]
-        .into_iter()
-        .zip(size.into_iter().flatten())
-    {
-        let passes = |state: &State| state.passes().unwrap_or_default();
-        let before = window.wait_for_state("a pass", |state| Some(passes(state)))?;
-        window.click_on("SpinButton", name)?;
-        // The field opens some passes after the click, and its cursor goes on blinking.
-        window.wait_for_state("the field", |state| {
-            (passes(state) > before + 6).then_some(())
-        })?;
-        window.press_keys("ctrl+a")?;
-        window.type_text(value)?;
-        window.press_keys("Return")?;
-        window.wait_for_state("the typed size", |state| {
-            let shown = state.widget("SpinButton", name)?.value;
-            // A number, or a text with a unit.
-            let digits = |text: &str| {
-                text.chars()
-                    .filter(char::is_ascii_digit)
-                    .collect::<String>()
-            };
-            let is_there = match shown.as_f64() {
-                Some(number) => value.parse() == Ok(number),
-                None => digits(&shown.to_string()) == value,
-            };
-            is_there.then_some(())
-        })?;
-    }
+    let Some(size) = size else { return Ok(()) };
+    // A number, or a text with a unit.
+    let shows = |state: &State, name: &str, value: &str| {
+        let shown = state.widget("SpinButton", name)?.value;
+        let digits: String = shown
+            .to_string()
+            .chars()
+            .filter(char::is_ascii_digit)
+            .collect();
+        let is_there = match shown.as_f64() {
+            Some(number) => value.parse() == Ok(number),
+            None => digits == value,
+        };
+        is_there.then_some(())
+    };
+    let passes = |state: &State| state.passes().unwrap_or_default();
+    let before = window.wait_for_state("a pass", |state| Some(passes(state)))?;
+    window.click_on("SpinButton", "Width")?;
+    // The field opens some passes after the click, and its cursor goes on blinking.
+    window.wait_for_state("the field", |state| {
+        (passes(state) > before + 6).then_some(())
+    })?;
+    window.press_keys("ctrl+a")?;
+    window.type_text(size[0])?;
+    // On to the height, which Tab opens for typing.
+    window.press_keys("Tab")?;
+    window.wait_for_state("the width", |state| shows(state, "Width", size[0]))?;
+    let before = window.wait_for_state("a pass", |state| Some(passes(state)))?;
+    window.wait_for_state("the height's field", |state| {
+        (passes(state) > before + 3).then_some(())
+    })?;
+    window.press_keys("ctrl+a")?;
+    window.type_text(size[1])?;
+    window.press_keys("Return")?;
+    window.wait_for_state("the height", |state| shows(state, "Height", size[1]))?;
     Ok(())
 }
 
