@@ -77,41 +77,6 @@ fn a_slider_that_moves_calls_the_preview() -> Result<()> {
 }
 
 #[test]
-fn at_a_limit_of_none_a_second_pictures_come_when_they_are_asked_for() -> Result<()> {
-    let Some(mut desk) = Desk::with_sphere()? else {
-        return Ok(());
-    };
-    let before = desk.wait_for_picture("the sphere", |picture| coloured(picture) > 2000)?;
-    desk.window.click_on("Tab", "View")?;
-    desk.scroll_settings_to("CheckBox", "Rate limit")?;
-    desk.window.click_on("CheckBox", "Rate limit")?;
-    desk.window
-        .find("Slider", "Rate limit, pictures a second")?;
-    desk.window.press_keys("Tab")?;
-    desk.window.settle("the keyboard on the slider", |_| true)?;
-    // One step of the slider each, from 30 and some over.
-    for _ in 0..40 {
-        desk.window.press_keys("Left")?;
-    }
-    desk.window.settle("no picture by itself", |state| {
-        state.session("pacing")["rate_limit"] == 0
-    })?;
-    desk.window.press_keys("y")?;
-    desk.window.wait_for_state("the camera above", |state| {
-        let eye = &state.session("view")["eye"];
-        (eye[1].as_f64()? > 1.0).then_some(())
-    })?;
-    let shown = desk.window.capture_picture()?;
-    assert!(
-        same(&shown, &before),
-        "a picture came that nobody asked for"
-    );
-    desk.window.press_keys("F5")?;
-    desk.wait_for_picture("from above", |picture| !same(picture, &before))?;
-    desk.close()
-}
-
-#[test]
 fn moving_pictures_of_a_slow_renderer_get_smaller_until_they_are_fast_enough() -> Result<()> {
     let Some(mut desk) = Desk::with_sphere()? else {
         return Ok(());

@@ -4,7 +4,6 @@ mod camera;
 mod desk;
 mod guide;
 mod hand_over;
-mod panel;
 mod save;
 mod session;
 mod walk;
