@@ -152,7 +152,7 @@ impl Window {
         from: (i16, i16),
         to: (i16, i16),
         button: u8,
-        accept: impl Fn(&State) -> bool,
+        mut accept: impl FnMut(&State) -> bool,
     ) -> Result<()> {
         let (mut start, mut end) = (from, to);
         self.point_at(from.0, from.1)?;

@@ -113,7 +113,7 @@ fn inspector(desk: &mut Desk) -> Result<()> {
 fn tabs(desk: &mut Desk) -> Result<()> {
     for (tab, text, name) in [
         ("Lighting", "Material", "lighting"),
-        ("Plugins", "Reload", "plugins"),
+        ("Plugins", "Add folder", "plugins"),
         ("Scene", "95\u{2009}904 surfels", "scene"),
     ] {
         desk.window.click_on("Tab", tab)?;

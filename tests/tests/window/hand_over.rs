@@ -8,7 +8,7 @@ use pointstage_tests::program::Program;
 use pointstage_tests::window::State;
 use serde_json::json;
 
-use super::desk::{Desk, POINTS, coloured, same, sphere};
+use super::desk::{Desk, POINTS, coloured, sphere};
 use super::{FALLBACK, SURFEL};
 
 /// Chooses the surfels as main renderer, and points as the preview.

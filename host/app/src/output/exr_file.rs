@@ -115,7 +115,7 @@ fn ascii_json(value: &serde_json::Value) -> String {
     for unit in value.to_string().encode_utf16() {
         match char::from_u32(unit.into()).filter(char::is_ascii) {
             Some(letter) => text.push(letter),
-            None => text.push_str(&format!("\\u{unit:04x}")),
+            None => text.extend(["\\u", &format!("{unit:04x}")]),
         }
     }
     text

@@ -62,8 +62,8 @@ impl Keeper {
             return None;
         }
         let waited = now.duration_since(*self.changed.get_or_insert(now));
-        if waited < DELAY {
-            return Some(DELAY - waited);
+        if let Some(left) = DELAY.checked_sub(waited).filter(|left| !left.is_zero()) {
+            return Some(left);
         }
         self.file();
         None

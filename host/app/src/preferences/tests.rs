@@ -156,8 +156,8 @@ fn any_preferences() -> impl Strategy<Value = Preferences> {
     let window = window.prop_map(|(settings, log, inspector, tab)| Layout {
         settings,
         log,
-        inspector,
         tab,
+        inspector,
     });
     let rate = |least: u32| proptest::option::of(least..=60);
     let pacing = (rate(0), rate(1), any::<bool>());

@@ -90,7 +90,7 @@ fn exr_text(path: &Path) -> Result<String, String> {
         .filter_map(|(_, value)| value.to_text().ok());
     texts
         .next()
-        .map(|text| text.to_string())
+        .map(ToString::to_string)
         .ok_or_else(|| format!("it has no attribute '{KEY}'"))
 }
 

@@ -119,7 +119,7 @@ pub(crate) fn hover_ui(ctx: &Context, over: Rect, facts: &Facts) {
                 ui.set_max_width(over.width() - 24.0);
                 let line = ui.label(facts.line());
                 ui.ctx().accesskit_node_builder(line.id, |node| {
-                    node.set_description("Under the pointer")
+                    node.set_description("Under the pointer");
                 });
             });
         });

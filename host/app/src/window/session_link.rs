@@ -194,8 +194,8 @@ impl App {
         if let Some(path) = &self.remembered.session_path {
             return path.clone();
         }
-        let objects = self.session.scene.objects().iter();
-        let first = objects.filter_map(|object| object.source.as_deref()).next();
+        let mut objects = self.session.scene.objects().iter();
+        let first = objects.find_map(|object| object.source.as_deref());
         let name = first.and_then(Path::file_stem);
         let name = name.map_or_else(|| "session".into(), |stem| stem.to_string_lossy());
         let name = format!("{name}{}", crate::session_file::SUFFIX);

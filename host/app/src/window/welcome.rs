@@ -1,7 +1,7 @@
 //! What an empty window says.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Align2, Area, Button, Context, Frame, Id, Order, Rect, ScrollArea, Ui};
 
@@ -75,7 +75,7 @@ fn offers_ui(ui: &mut Ui, welcome: &Welcome<'_>, out: &mut Intents) {
     ui.weak("Then choose a renderer in the settings panel. F1 lists all keys.");
 }
 
-fn recent_ui(ui: &mut Ui, path: &PathBuf, is_missing: bool, out: &mut Intents) {
+fn recent_ui(ui: &mut Ui, path: &Path, is_missing: bool, out: &mut Intents) {
     // In one line, cut where it does not fit; the tooltip has all of it.
     let button = Button::new(title_of_recent(path)).truncate();
     let response = ui.add_enabled(!is_missing, button);
@@ -83,7 +83,10 @@ fn recent_ui(ui: &mut Ui, path: &PathBuf, is_missing: bool, out: &mut Intents) {
         .on_hover_text(path.display().to_string())
         .on_disabled_hover_text(format!("{} is not there any more", path.display()));
     if response.clicked() {
-        out.push(FileIntent::Open(vec![path.clone()], OpenMode::Replace));
+        out.push(FileIntent::Open(
+            vec![path.to_path_buf()],
+            OpenMode::Replace,
+        ));
     }
 }
 

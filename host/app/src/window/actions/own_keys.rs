@@ -126,7 +126,7 @@ mod tests {
     use serde_json::json;
 
     /// A renderer with these settings.
-    fn row(settings: serde_json::Value) -> RendererRow {
+    fn row(settings: &serde_json::Value) -> RendererRow {
         let manifest = json!({
             "format": 1, "vendor": "Test", "licence": "MIT", "api": "1.0",
             "plugins": [{
@@ -145,7 +145,7 @@ mod tests {
     }
 
     fn pop() -> RendererRow {
-        row(json!([
+        row(&json!([
             { "id": "cull", "kind": "bool", "default": true, "label": "Cull backs", "shortcut": "B" },
             { "id": "method", "kind": "choice", "default": "pop", "label": "Method", "shortcut": "M",
               "options": [{ "id": "classic", "label": "Classic" }, { "id": "pop", "label": "POP" }],

@@ -63,12 +63,11 @@ impl App {
     }
 
     fn recall(&mut self, slot: usize) {
-        match self.session.views.slots.get(slot) {
-            Some(Some(record)) => self.go_to(&record.clone()),
-            _ => {
-                let key = slot_key(slot);
-                self.say(format!("There is no view {key}; Ctrl+{key} stores one."));
-            }
+        if let Some(Some(record)) = self.session.views.slots.get(slot).copied() {
+            self.go_to(&record);
+        } else {
+            let key = slot_key(slot);
+            self.say(format!("There is no view {key}; Ctrl+{key} stores one."));
         }
     }
 

@@ -6,7 +6,7 @@ use pointstage_scene::{NearClipping, Projection};
 use crate::window::navigation::{CameraMove, Glide, NavigationOptions};
 
 /// What to do with the camera.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum CameraIntent {
     /// Move it.
     Move(CameraMove),
