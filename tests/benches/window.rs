@@ -40,7 +40,7 @@ fn times_of_a_turn(window: &mut Window) -> Result<Vec<[f64; 3]>> {
     let mut times: Vec<[f64; 3]> = Vec::new();
     let (left, right) = ((250, 360), (450, 400));
     while times.len() < PICTURES {
-        let (from, to) = if times.len() % 2 == 0 {
+        let (from, to) = if times.len().is_multiple_of(2) {
             (left, right)
         } else {
             (right, left)
