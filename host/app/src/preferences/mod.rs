@@ -1,7 +1,7 @@
 //! What the window remembers from one session to the next, in `settings.toml` of the state folder.
 //!
 //! [`Preferences`] is the content: plain data, every field with a default, so that files of older programs are read and
-//! unknown fields are ignored. [`file`] reads it at start and sets a damaged file aside; [`keeper`] writes it after changes,
+//! unknown fields are ignored. [`mod@file`] reads it at start and sets a damaged file aside; [`keeper`] writes it after changes,
 //! whole and off the window's thread. Of two windows that are open at once, the last change counts.
 
 mod file;

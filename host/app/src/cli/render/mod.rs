@@ -79,8 +79,8 @@ pub(crate) struct RenderArguments {
     /// What the picture shows: 'colours' or the key of a target [default: the session's, else colours]
     #[arg(long, value_name = "KEY")]
     show: Option<String>,
-    /// What lies behind: 'transparent', '#rrggbb', or '#rrggbb,#rrggbb' from top to bottom [default: the session's, else
-    /// #4d545e,#171a1f]
+    /// What lies behind: 'transparent', '#rrggbb', or '#rrggbb,#rrggbb' from top to bottom (default: the session's, else
+    /// '#4d545e,#171a1f')
     #[arg(long, value_name = "COLOUR", value_parser = values::background)]
     background: Option<Background>,
     /// Factor on the colours [default: the session's, else 1]
