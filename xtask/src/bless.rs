@@ -1,25 +1,17 @@
 //! `cargo xtask bless`: the golden images anew.
 
-use crate::{Outcome, no_arguments, process, setup};
+use crate::draw_anew::draw_anew;
+use crate::{Outcome, no_arguments, process};
 
 /// Runs the golden tests so that they write their images instead of comparing.
 pub(crate) fn bless(arguments: &[String]) -> Outcome {
     no_arguments(arguments)?;
-    setup::set_up(setup::Needs {
-        window: false,
-        tests: true,
-    })?;
-    process::say("building");
-    process::run(
-        "the build",
-        &mut process::cargo(&["build", "--workspace", "--lib", "--bins"]),
+    draw_anew(
+        "drawing the golden images",
+        "golden",
+        "",
+        "POINTSTAGE_BLESS",
     )?;
-    process::say("drawing the golden images");
-    let mut command = process::cargo(&["test", "--workspace", "--test", "golden"]);
-    command.env("POINTSTAGE_BLESS", "1");
-    setup::prepare_environment(&mut command)?;
-    setup::hold_to_software_driver(&mut command);
-    process::run("drawing the golden images", &mut command)?;
     process::say("done; look at what changed under tests/golden/ before you commit it");
     Ok(())
 }

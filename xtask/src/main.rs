@@ -9,6 +9,7 @@ use std::process::ExitCode;
 mod bench;
 mod bless;
 mod build;
+mod draw_anew;
 mod json;
 mod paths;
 mod pictures;
