@@ -11,6 +11,7 @@ use pointstage_scene::{Job, ViewRecord};
 
 use super::ExportError;
 use super::tiling::Place;
+use super::writer;
 use crate::output::exr_file::{self, ExrError, LayerSamples};
 use crate::output::file_values;
 use crate::output::whole_file::{PartFile, WriteError};
@@ -128,16 +129,7 @@ impl ExrLayers {
 
     /// Whether the file is in its place; an error if it cannot be.
     pub(super) fn poll(&mut self) -> Result<bool, ExportError> {
-        if !self.writer.as_ref().is_none_or(JoinHandle::is_finished) {
-            return Ok(false);
-        }
-        let Some(writer) = self.writer.take() else {
-            return Err(ExportError::Writer("it has ended before".into()));
-        };
-        match writer.join() {
-            Ok(outcome) => outcome.map(|()| true),
-            Err(_) => Err(ExportError::Writer("the writer has a defect".into())),
-        }
+        writer::poll(&mut self.writer)
     }
 }
 

@@ -10,6 +10,7 @@ mod exporting;
 mod exr_layers;
 mod png_rows;
 mod tiling;
+mod writer;
 
 use std::path::{Path, PathBuf};
 
