@@ -32,7 +32,11 @@ impl App {
         let panel = match part {
             Part::Settings => &mut self.panels.settings,
             Part::Log => &mut self.panels.log,
-            Part::Inspector => &mut self.panels.inspector,
+            Part::Inspector => {
+                // A surfel that nobody sees would have every target read back with each picture.
+                self.inspector.unpin();
+                &mut self.panels.inspector
+            }
             Part::Palette => return self.palette.toggle(),
             Part::Keys => &mut self.panels.keys,
             Part::About => &mut self.panels.about,
