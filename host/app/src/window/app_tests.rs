@@ -18,8 +18,8 @@ const LIMIT: Duration = Duration::from_mins(1);
 /// Four surfels with normals, facing +z.
 pub(super) const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n";
 
-/// An empty window.
-pub(super) fn window() -> Harness<'static, App> {
+/// An empty window's program.
+pub(super) fn app() -> App {
     let options = StageOptions {
         use_device: false,
         plugins: DiscoverOptions::default(),
@@ -33,9 +33,19 @@ pub(super) fn window() -> Harness<'static, App> {
         files: Vec::new(),
         samples: Vec::new(),
     });
+    app.expect("a thread")
+}
+
+/// The window of a program.
+pub(super) fn window_of(app: App) -> Harness<'static, App> {
     Harness::builder()
         .with_size([1000.0, 700.0])
-        .build_ui_state(|ui, app: &mut App| app.pass(ui), app.expect("a thread"))
+        .build_ui_state(|ui, app: &mut App| app.pass(ui), app)
+}
+
+/// An empty window.
+pub(super) fn window() -> Harness<'static, App> {
+    window_of(app())
 }
 
 /// Steps until `holds`.

@@ -1,49 +1,30 @@
 //! What outlives the window: sessions, settings and recent files, without a display or a device.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use glam::{DAffine3, DVec3};
-use pointstage_engine::plugins::DiscoverOptions;
-use pointstage_engine::stage::{Background, SettingValue, StageOptions};
+use pointstage_engine::stage::{Background, SettingValue};
 use pointstage_scene::ViewRecord;
 
-use super::app::{App, Start};
+use super::app::App;
+use super::app_tests::{SQUARE, app, window_of};
 use super::intent::{FileIntent, Intent, OpenMode, Overwrite, WindowIntent};
-use super::stage_link::StageLink;
 use crate::preferences;
 
 /// Longer than any step takes on a machine that other tests keep busy.
 const LIMIT: Duration = Duration::from_mins(1);
 
-/// Four surfels with normals, facing +z.
-const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n";
-
 type Window = Harness<'static, App>;
 
 /// A window that remembers in `folder`.
 fn window(folder: &Path) -> Window {
-    let options = StageOptions {
-        use_device: false,
-        plugins: DiscoverOptions::default(),
-        ..StageOptions::default()
-    };
-    let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(|| ());
-    let app = App::new(Start {
-        stage: StageLink::start(options, &wake).expect("a thread"),
-        wake,
-        files: Vec::new(),
-        samples: Vec::new(),
-    });
-    let mut app = app.expect("a thread");
+    let mut app = app();
     app.remember(preferences::open(&folder.join("state")))
         .expect("a thread");
-    let mut window = Harness::builder()
-        .with_size([1000.0, 700.0])
-        .build_ui_state(|ui, app: &mut App| app.pass(ui), app);
+    let mut window = window_of(app);
     window.run_steps(3);
     window
 }
