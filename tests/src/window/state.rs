@@ -18,6 +18,8 @@ pub struct Widget {
     pub is_on: bool,
     /// Whether it can be used.
     pub is_enabled: bool,
+    /// Whether it has the keyboard.
+    pub is_focused: bool,
     /// Its text or number, if it has one.
     pub value: Value,
 }
@@ -138,6 +140,7 @@ impl Widget {
             rect: [edge(0)?, edge(1)?, edge(2)?, edge(3)?],
             is_on: value["on"] == true,
             is_enabled: value["disabled"] != true,
+            is_focused: value["focused"] == true,
             value: value["value"].clone(),
         })
     }

@@ -1,11 +1,16 @@
 //! Looking at the window: waiting for what it should show, finding what to click on, taking pictures.
 
+use std::time::{Duration, Instant};
+
 use anyhow::{Result, bail};
 use image::RgbaImage;
 
 use super::state::{State, Widget};
 use super::{Window, capture, wait_for};
 use crate::golden;
+
+/// How long a widget must stay where it is before it is clicked on.
+const REST: Duration = Duration::from_millis(80);
 
 impl Window {
     /// Waits until the window's state is one of which `accept` makes something, and returns that.
@@ -47,21 +52,85 @@ impl Window {
         })
     }
 
-    /// Clicks at the middle of the widget of this role and name, once it is there.
+    /// Clicks at the middle of the widget of this role and name, once it is there and rests.
     ///
     /// # Errors
     /// As for [`Window::wait_for_state`].
     pub fn click_on(&mut self, role: &str, name: &str) -> Result<()> {
-        let (x, y) = self.find(role, name)?.middle();
-        self.point_at(x, y)?;
-        let releases = self.wait_for_state("the pointer", |state| {
-            state.has_pointer_at(x, y).then(|| state.releases())
-        })?;
-        self.click(x, y, 1)?;
+        let (place, releases) = self.rest_on(role, name)?;
+        self.click(place.0, place.1, 1)?;
         // The window takes all that came since its last pass to be where the pointer is by then: it must not move on before.
         self.wait_for_state("the click", |state| {
             (state.releases() > releases).then_some(())
         })
+    }
+
+    /// Clicks on a field for text or a number, waits until it has the keyboard, and puts `text` in the place of its content,
+    /// as a person who then goes on with Tab or Enter.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`], and for [`Window::type_text`].
+    pub fn type_into(&mut self, role: &str, name: &str, text: &str) -> Result<()> {
+        self.click_on(role, name)?;
+        self.wait_for_state(&format!("the keyboard in '{name}'"), |state| {
+            let field = state.widget(role, name)?;
+            field.is_focused.then_some(())
+        })?;
+        self.press_keys("ctrl+a")?;
+        self.type_text(text)
+    }
+
+    /// Drags the handle of the slider of this name from the slider's middle to `part` of its length (0 left end, 1 right end)
+    /// and back, and so on, until `accept` says yes to the state.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`].
+    pub fn drag_slider(
+        &mut self,
+        name: &str,
+        part: f32,
+        accept: impl FnMut(&State) -> bool,
+    ) -> Result<()> {
+        let (from, _) = self.rest_on("Slider", name)?;
+        let [left, _, right, _] = self.find("Slider", name)?.rect.map(f32::from);
+        // Both ends are within it.
+        let to = left + 2.0 + part * (right - left - 4.0);
+        self.drag_until(from, (to as i16, from.1), 1, accept)
+    }
+
+    /// Moves the pointer to the middle of the widget of this role and name, and stays until the window has seen it there and
+    /// the widget rests: a panel that grows or scrolls takes it away meanwhile. Returns the place, and how many buttons went
+    /// up so far.
+    fn rest_on(&mut self, role: &str, name: &str) -> Result<((i16, i16), Option<u64>)> {
+        let mut sent_to = None;
+        let mut seen_since: Option<Instant> = None;
+        let found = wait_for(|| {
+            self.must_run()?;
+            let Some(state) = self.state()? else {
+                return Ok(None);
+            };
+            let widget = state.widget(role, name);
+            let Some(widget) = widget.filter(|widget| widget.is_enabled) else {
+                return Ok(None);
+            };
+            let (x, y) = widget.middle();
+            if sent_to != Some((x, y)) {
+                self.point_at(x, y)?;
+                sent_to = Some((x, y));
+                seen_since = None;
+            } else if state.has_pointer_at(x, y) {
+                let since = *seen_since.get_or_insert_with(Instant::now);
+                return Ok((since.elapsed() >= REST).then(|| ((x, y), state.releases())));
+            }
+            Ok(None)
+        })?;
+        match found {
+            Some(found) => Ok(found),
+            None => bail!(
+                "waited in vain for a {role} '{name}' that rests; {}",
+                self.last_words()?
+            ),
+        }
     }
 
     /// The part of the display that the picture takes.

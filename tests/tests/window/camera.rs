@@ -200,14 +200,11 @@ fn near_clipping_by_hand_cuts_the_sphere_open() -> Result<()> {
     desk.window.click_on("Tab", "View")?;
     desk.scroll_settings_to("CheckBox", "automatic")?;
     desk.window.click_on("CheckBox", "automatic")?;
-    let slider = desk.scroll_settings_to("Slider", "Near plane")?;
-    let [left, _, right, _] = slider.rect;
-    let y = slider.middle().1;
+    desk.scroll_settings_to("Slider", "Near plane")?;
     // Up to the far side: the near half is gone on the way, and what is left is less of the picture.
-    desk.window
-        .drag_until((left.midpoint(right), y), (right - 2, y), 1, |state| {
-            state.session("view")["near"].as_f64() > Some(3.0)
-        })?;
+    desk.window.drag_slider("Near plane", 1.0, |state| {
+        state.session("view")["near"].as_f64() > Some(3.0)
+    })?;
     desk.wait_for_picture("cut", |picture| {
         !same(picture, &whole) && coloured(picture) < coloured(&whole) / 2
     })?;

@@ -8,7 +8,7 @@ use pointstage_tests::program::Program;
 use pointstage_tests::window::State;
 use serde_json::json;
 
-use super::desk::{Desk, POINTS, coloured, sphere};
+use super::desk::{Desk, POINTS, coloured, same, sphere};
 use super::{FALLBACK, SURFEL};
 
 /// Chooses the surfels as main renderer, and points as the preview.
@@ -65,14 +65,38 @@ fn a_slider_that_moves_calls_the_preview() -> Result<()> {
         return Ok(());
     };
     desk.window.click_on("Tab", "View")?;
-    let slider = desk.window.find("Slider", "Exposure")?;
-    let ([left, ..], from) = (slider.rect, slider.middle());
-    desk.window
-        .drag_until(from, (left + 4, from.1), 1, |state| {
-            state.session("drawn_by") == POINTS
-        })?;
+    desk.window.drag_slider("Exposure", 0.0, |state| {
+        state.session("drawn_by") == POINTS
+    })?;
     desk.window
         .settle("the main one", |state| state.session("drawn_by") == SURFEL)?;
+    desk.close()
+}
+
+#[test]
+fn at_a_limit_of_none_a_second_pictures_come_when_they_are_asked_for() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let before = desk.wait_for_picture("the sphere", |picture| coloured(picture) > 2000)?;
+    desk.window.click_on("Tab", "View")?;
+    desk.scroll_settings_to("CheckBox", "Rate limit")?;
+    desk.window.click_on("CheckBox", "Rate limit")?;
+    let none = |state: &State| state.session("pacing")["rate_limit"] == 0;
+    desk.window
+        .drag_slider("Rate limit, pictures a second", 0.0, none)?;
+    desk.window.press_keys("y")?;
+    desk.window.wait_for_state("the camera above", |state| {
+        let eye = &state.session("view")["eye"];
+        (eye[1].as_f64()? > 1.0).then_some(())
+    })?;
+    let shown = desk.window.capture_picture()?;
+    assert!(
+        same(&shown, &before),
+        "a picture came that nobody asked for"
+    );
+    desk.window.press_keys("F5")?;
+    desk.wait_for_picture("from above", |picture| !same(picture, &before))?;
     desk.close()
 }
 
@@ -91,10 +115,8 @@ fn moving_pictures_of_a_slow_renderer_get_smaller_until_they_are_fast_enough() -
     desk.scroll_settings_to("CheckBox", "Target rate")?;
     desk.window.click_on("CheckBox", "Target rate")?;
     let name = "Target rate, pictures a second";
-    let slider = desk.window.find("Slider", name)?;
-    let ([.., right, _], from) = (slider.rect, slider.middle());
     let fast = |state: &State| state.session("pacing")["target_rate"].as_u64() > Some(45);
-    desk.window.drag_until(from, (right, from.1), 1, fast)?;
+    desk.window.drag_slider(name, 1.0, fast)?;
     let full = desk.window.settle("a still picture", |state| {
         state.session("picture_px").is_array()
     })?;

@@ -4,6 +4,7 @@ mod camera;
 mod desk;
 mod guide;
 mod hand_over;
+mod panel;
 mod save;
 mod session;
 mod walk;
@@ -108,9 +109,7 @@ fn a_setting_of_the_chosen_renderer_changes_the_picture() -> Result<()> {
         return Ok(());
     };
     let small = desk.wait_for_picture("small points", |picture| coloured(picture) > 2000)?;
-    let slider = desk.window.find("Slider", "Point size")?;
-    let ([_, _, right, _], from) = (slider.rect, slider.middle());
-    desk.window.drag_until(from, (right, from.1), 1, |state| {
+    desk.window.drag_slider("Point size", 1.0, |state| {
         let size = state.session("settings")["size"].as_f64();
         size.is_some_and(|size| size > 4.0)
     })?;

@@ -96,7 +96,13 @@ fn widgets(tree: &TreeUpdate, pixels_per_point: f64) -> Vec<Value> {
     let mut placed: Vec<([i64; 4], Value)> = tree
         .nodes
         .iter()
-        .filter_map(|(_, node)| widget(node, tree, pixels_per_point))
+        .filter_map(|(id, node)| {
+            let (rect_px, mut widget) = widget(node, tree, pixels_per_point)?;
+            if *id == tree.focus {
+                widget["focused"] = json!(true);
+            }
+            Some((rect_px, widget))
+        })
         .collect();
     // The tree comes in no order.
     placed.sort_by_cached_key(|([left, top, ..], widget)| (*top, *left, widget.to_string()));
@@ -264,6 +270,18 @@ mod tests {
         widgets
             .iter()
             .find(|widget| widget["name"] == name && widget["role"] == *role)
+    }
+
+    #[test]
+    fn the_widget_with_the_keyboard_is_told() {
+        let state = state_of(|ui| {
+            let _ = ui.button("Open");
+            ui.button("Save").request_focus();
+        });
+        let save = named(&state, Role::Button, "Save").expect("the button");
+        assert_eq!(save["focused"], true, "{save}");
+        let open = named(&state, Role::Button, "Open").expect("the other button");
+        assert_eq!(open["focused"], Value::Null, "{open}");
     }
 
     #[test]
