@@ -1,6 +1,6 @@
 //! The *Lighting* tab: headlight, ambient light, up to four sources, and how objects take light.
 
-use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
+use egui::{DragValue, Slider, SliderClamping, Ui};
 use glam::{DVec3, Vec3};
 use pointstage_scene::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS, Scene};
 
@@ -24,7 +24,7 @@ pub(crate) struct LightingTab<'a> {
 /// The tab. Edits come out as [`LightIntent::Set`] with all lights, and as [`LightIntent::Material`].
 pub(crate) fn lighting_ui(ui: &mut Ui, tab: &LightingTab<'_>, out: &mut Intents) {
     let mut edited = tab.lights.clone();
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    super::tab_ui(ui, |ui| {
         presets_ui(ui, &mut edited);
         headlight_ui(ui, &mut edited.headlight);
         super::row(ui, "Ambient", "Light from everywhere", |ui| {

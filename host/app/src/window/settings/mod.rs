@@ -58,6 +58,12 @@ pub(super) fn tabs_ui(ui: &mut egui::Ui, chosen: Tab, out: &mut Intents) {
     ui.separator();
 }
 
+/// What a tab holds. It scrolls both ways, so that its width never is more than the panel's: a panel grows with what does
+/// not fit, its rows grow with the panel, and so on until no room is left for the picture.
+fn tab_ui(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    egui::ScrollArea::both().auto_shrink(false).show(ui, add);
+}
+
 /// A row of a form: a label that names the widget for keyboard and screen reader, then the widget.
 fn row(ui: &mut egui::Ui, label: &str, help: &str, add: impl FnOnce(&mut egui::Ui)) {
     ui.horizontal(|ui| {

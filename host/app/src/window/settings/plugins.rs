@@ -1,6 +1,6 @@
 //! The *Plugins* tab: every plugin file found, what came of it and what it holds; setting aside, another try, folders.
 
-use egui::{Button, Id, ScrollArea, TextEdit, Ui};
+use egui::{Button, Id, TextEdit, Ui};
 use pointstage_engine::stage::{PluginHoldings, Severity};
 
 use crate::window::dialogs::typed_path;
@@ -18,7 +18,7 @@ pub(crate) struct PluginsTab<'a> {
 
 /// The tab.
 pub(crate) fn plugins_ui(ui: &mut Ui, tab: &PluginsTab<'_>, out: &mut Intents) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    super::tab_ui(ui, |ui| {
         let plugins = &tab.rows.plugins;
         ui.horizontal(|ui| {
             let reload = ui.button("Reload");

@@ -1,6 +1,6 @@
 //! The *Renderer* tab: which renderers draw, and their settings.
 
-use egui::{Button, ComboBox, RichText, ScrollArea, Ui};
+use egui::{Button, ComboBox, RichText, Ui};
 use pointstage_engine::plugins::Remedy;
 use pointstage_engine::stage::Severity;
 use pointstage_plugin_api::settings_schema::SettingValues;
@@ -40,7 +40,7 @@ pub(crate) struct RendererTab<'a> {
 
 /// The tab.
 pub(crate) fn renderer_ui(ui: &mut Ui, tab: &RendererTab<'_>, out: &mut Intents) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    super::tab_ui(ui, |ui| {
         list_ui(ui, tab, out);
         preview_ui(ui, tab, out);
         structures_ui(ui, tab, out);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use egui::{ScrollArea, Ui};
+use egui::{Ui};
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{Object, ObjectId, Scene, WarningKind, Warnings};
 
@@ -17,7 +17,7 @@ pub(crate) fn scene_ui(
     warnings: &BTreeMap<ObjectId, Warnings>,
     out: &mut Intents,
 ) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    super::tab_ui(ui, |ui| {
         if scene.objects().is_empty() {
             ui.weak("The scene is empty.");
         } else {

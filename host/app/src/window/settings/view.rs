@@ -1,6 +1,6 @@
 //! The *View* tab: how the picture is shown, the camera, and stored views.
 
-use egui::{DragValue, ScrollArea, Slider, SliderClamping, Ui};
+use egui::{DragValue, Slider, SliderClamping, Ui};
 use pointstage_engine::frame::legend::Legend;
 use pointstage_engine::stage::Background;
 
@@ -45,7 +45,7 @@ pub(crate) struct ViewTab<'a> {
 
 /// The tab.
 pub(crate) fn view_ui(ui: &mut Ui, tab: &ViewTab<'_>, out: &mut Intents) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    super::tab_ui(ui, |ui| {
         ui.strong("Picture");
         super::row(
             ui,

@@ -4,6 +4,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointstage_plugin_api::settings_schema::{SettingSchema, SettingValue, SettingValues};
 
 use super::super::schema::{Owner, SchemaPanel, schema_ui};
+use super::super::tab_ui;
 use super::{choose, every_kind, schema_of};
 use crate::window::intent::{Intent, Intents, RendererIntent};
 
@@ -278,4 +279,40 @@ fn a_structure_s_settings_are_its_own_and_it_has_no_actions() {
     let asked: &[Intent] = &harness.state().asked;
     let set = RendererIntent::SetOfStructure("cull".into(), SettingValue::Bool(false));
     assert_eq!(asked, [set.into()]);
+}
+
+#[test]
+fn numbers_of_many_digits_leave_the_panel_its_width() {
+    let schema = every_kind();
+    let mut values = SettingValues::new();
+    for (id, value) in [("scale", 12.345_678), ("amount", 0.523_409)] {
+        values.insert(id.to_owned(), SettingValue::Float(value));
+    }
+    // The panel's width in each pass.
+    let app = move |ui: &mut egui::Ui, widths: &mut Vec<f32>| {
+        let shown = egui::Panel::right("settings")
+            .resizable(true)
+            .default_size(360.0)
+            .show(ui, |ui| {
+                tab_ui(ui, |ui| {
+                    let panel = SchemaPanel {
+                        owner: Owner::Renderer,
+                        schema: &schema,
+                        values: &values,
+                        focus: None,
+                    };
+                    schema_ui(ui, &panel, &mut Intents::new());
+                });
+            });
+        widths.push(shown.response.rect.width());
+    };
+    let mut harness = Harness::builder()
+        .with_size([1000.0, 700.0])
+        .build_ui_state(app, Vec::new());
+    harness.run_steps(30);
+    let widths = harness.state();
+    assert!(
+        widths.iter().all(|width| (width - widths[0]).abs() < 0.5),
+        "{widths:?}"
+    );
 }
