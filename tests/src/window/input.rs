@@ -1,5 +1,7 @@
 //! Pointer and keys, by the X test extension.
 
+use std::time::Duration;
+
 use anyhow::{Context as _, Result};
 use x11rb::connection::Connection as _;
 use x11rb::protocol::xproto::{
@@ -30,14 +32,35 @@ pub(super) fn release(connection: &RustConnection, root: Window, button: u8) -> 
     event(connection, root, BUTTON_RELEASE_EVENT, button)
 }
 
-/// Moves the pointer in a straight line.
+/// Moves the pointer in a straight line, at once.
 pub(super) fn glide(
     connection: &RustConnection,
     root: Window,
     from: (i16, i16),
     to: (i16, i16),
 ) -> Result<()> {
+    glide_in(connection, root, from, to, Duration::ZERO)
+}
+
+/// Moves the pointer in a straight line, about as fast as a hand does.
+pub(super) fn glide_slowly(
+    connection: &RustConnection,
+    root: Window,
+    from: (i16, i16),
+    to: (i16, i16),
+) -> Result<()> {
+    glide_in(connection, root, from, to, Duration::from_millis(30))
+}
+
+fn glide_in(
+    connection: &RustConnection,
+    root: Window,
+    from: (i16, i16),
+    to: (i16, i16),
+    time_of_a_step: Duration,
+) -> Result<()> {
     for step in 1..=DRAG_STEPS {
+        std::thread::sleep(time_of_a_step);
         let between = |a: i16, b: i16| {
             (i32::from(a) + i32::from(b - a) * i32::from(step) / i32::from(DRAG_STEPS)) as i16
         };

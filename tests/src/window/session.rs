@@ -186,6 +186,27 @@ impl Window {
         Ok(())
     }
 
+    /// Drags with the left button in a movement that takes its time, lets go while it goes on, and returns the first state
+    /// in which the window has seen that.
+    ///
+    /// # Errors
+    /// As for [`Window::wait_for_state`].
+    pub fn throw(&mut self, from: (i16, i16), to: (i16, i16)) -> Result<State> {
+        self.point_at(from.0, from.1)?;
+        let releases = self.wait_for_state("the pointer", |state| {
+            state
+                .has_pointer_at(from.0, from.1)
+                .then(|| state.releases())
+        })?;
+        input::press(&self.connection, self.root, 1)?;
+        let thrown = input::glide_slowly(&self.connection, self.root, from, to);
+        input::release(&self.connection, self.root, 1)?;
+        thrown?;
+        self.wait_for_state("the button to go up", |state| {
+            (state.releases() > releases).then(|| state.clone())
+        })
+    }
+
     /// Drags once with `button` between two places, and does not wait.
     ///
     /// # Errors

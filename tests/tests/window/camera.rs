@@ -1,6 +1,6 @@
 //! Camera, stored views and light by hand, by pointer and keys over the picture.
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use glam::DVec3;
 use pointstage_tests::window::State;
 use serde_json::Value;
@@ -98,6 +98,26 @@ fn a_view_goes_over_the_clipboard_as_text() -> Result<()> {
     desk.window
         .settle("the pasted view", |state| *state.session("view") == copied)?;
     desk.close()
+}
+
+#[test]
+fn with_inertia_the_camera_glides_on_when_the_button_is_up() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let released = view(&desk.window.throw(MIDDLE, ASIDE)?);
+    assert_eq!(view(&at_rest(&mut desk)?), released, "without inertia");
+    desk.window.click_on("Tab", "View")?;
+    desk.scroll_settings_to("CheckBox", "Inertia")?;
+    desk.window.click_on("CheckBox", "Inertia")?;
+    // A slow machine may take a whole throw for one movement, which has no speed.
+    for _ in 0..10 {
+        let released = view(&desk.window.throw(MIDDLE, ASIDE)?);
+        if view(&at_rest(&mut desk)?) != released {
+            return desk.close();
+        }
+    }
+    bail!("the camera stopped with the pointer, ten times")
 }
 
 #[test]

@@ -5,6 +5,8 @@ mod desk;
 mod guide;
 mod hand_over;
 mod panel;
+mod plugins;
+mod resize;
 mod save;
 mod session;
 mod walk;
@@ -14,7 +16,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use pointstage_tests::program::{self, Program};
 use pointstage_tests::window::{Display, State};
-use pointstage_tests::{plugins, scenes};
+use pointstage_tests::scenes;
 
 use desk::{Desk, POINTS, coloured, difference, same, sphere};
 
@@ -56,6 +58,31 @@ fn a_typed_path_is_opened() -> Result<()> {
     desk.window
         .settle("the planes", |state| state.objects() == ["planes"])?;
     desk.wait_for_picture("opened by path", |picture| coloured(picture) > 5000)?;
+    desk.close()
+}
+
+#[test]
+fn a_file_opened_before_is_opened_from_the_menu() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let folder = desk.program.home();
+    let planes = scenes::write(folder, "planes", &scenes::crossing_planes(60))?;
+    desk.window.drop_files(&[&planes], 370, 360)?;
+    let state = desk
+        .window
+        .settle("the planes", |state| state.objects() == ["planes"])?;
+    assert_eq!(state.session("recent").as_array().map(Vec::len), Some(2));
+    desk.window.click_on("Button", "File")?;
+    desk.window.click_on("Button", "Open recent")?;
+    let entry = desk.window.wait_for_state("the file's entry", |state| {
+        let entries = state.usable(&["Button"]);
+        let mut names = entries.into_iter().map(|(name, _)| name);
+        names.find(|name| name.starts_with("sphere.ply – "))
+    })?;
+    desk.window.click_on("Button", &entry)?;
+    desk.window
+        .settle("the sphere", |state| state.objects() == ["sphere"])?;
     desk.close()
 }
 
@@ -273,7 +300,7 @@ fn without_a_device_the_built_in_renderer_draws_and_the_panel_says_why() -> Resu
 fn a_plugin_that_crashes_when_it_is_loaded_is_named_and_the_rest_works() -> Result<()> {
     let program = Program::find()?;
     let sphere = sphere(program.home())?;
-    let plugin = plugins::on_load("segfault", program.home())?;
+    let plugin = pointstage_tests::plugins::on_load("segfault", program.home())?;
     let arguments = ["--plugin".as_ref(), plugin.as_os_str(), sphere.as_os_str()];
     let Some(mut desk) = Desk::open(program, &arguments)? else {
         return Ok(());

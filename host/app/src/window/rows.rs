@@ -128,12 +128,14 @@ impl PluginRow {
             parts.push(self.versions.clone());
         }
         parts.push(self.found_in.clone());
-        if let Some(time) = self.load_time {
+        let own = holdings.iter().filter(|held| self.ids.contains(&held.id));
+        // It may have been loaded since this row was made.
+        let loaded_since = own.clone().find_map(|held| held.load_time);
+        if let Some(time) = self.load_time.or(loaded_since) {
             parts.push(format!("loaded in {:.0} ms", time.as_secs_f64() * 1e3));
         } else {
             parts.push("not loaded".to_owned());
         }
-        let own = holdings.iter().filter(|held| self.ids.contains(&held.id));
         let (handles, bytes) = own.fold((0, 0), |(handles, bytes), held| {
             (handles + held.handle_count, bytes + held.bytes)
         });

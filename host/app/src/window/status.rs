@@ -55,6 +55,7 @@ pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
             log_button_ui(ui, status.log, out);
             ui.separator();
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.shrink_clip_rect(ui.max_rect());
                 picture_ui(ui, status);
                 if ui.available_width() > LEAST_ADAPTER_WIDTH {
                     adapter_ui(ui, status);

@@ -8,10 +8,11 @@ use std::time::Duration;
 use bytemuck::{Pod, Zeroable};
 
 use super::composition::{Composed, Composition};
+use super::copied::{self, Codes};
 use super::palette::{KINDS, RAMP};
 use super::passes::{Pass, Passes};
 use super::picture::{Picture, Plane};
-use super::readback::{Job, Readback, Words};
+use super::readback::{Job, Readback};
 use super::target_set::{GpuTarget, TargetSet};
 use super::targets::{Appearance, PlaneFormat};
 use crate::device::{GpuDevice, GpuError};
@@ -22,6 +23,9 @@ pub struct Composer {
     gpu: Arc<GpuDevice>,
     passes: Passes,
     readback: Readback,
+    /// Whether targets are copied to memory and colours composed there, where that can be done.
+    copies: bool,
+    codes: Option<Codes>,
 }
 
 /// A composed picture, and the targets that were read back with it.
@@ -85,9 +89,11 @@ impl Composer {
         let passes = gpu.scoped(|| Passes::new(&gpu.device))?;
         let readback = Readback::new(&gpu.limits);
         Ok(Self {
+            copies: gpu.is_software(),
             gpu,
             passes,
             readback,
+            codes: None,
         })
     }
 
@@ -111,6 +117,9 @@ impl Composer {
                 _ => Pass::Compose(shown.plane_format()),
             },
             view: &shown.view,
+            copied: (composition.shown.appearance == Appearance::Colours)
+                .then(|| self.copied(shown, |format| format == wgpu::TextureFormat::Rgba16Float))
+                .flatten(),
             uniform,
             needs_range: composition.needs_range(),
         }];
@@ -119,6 +128,7 @@ impl Composer {
             jobs.push(Job {
                 pass: Pass::Read(target.plane_format()),
                 view: &target.view,
+                copied: self.copied(target, copied::is_word),
                 uniform: Uniform {
                     channels: target.plane_format().channels(),
                     ..uniform
@@ -130,13 +140,32 @@ impl Composer {
             gpu,
             passes,
             readback,
+            codes,
+            ..
         } = self;
-        let Words { words, range_keys } = readback.run(gpu, passes, &jobs, timeout)?;
+        let mut picture = None;
+        let mut words = vec![Vec::new(); jobs.len()];
+        let range_keys =
+            readback.run(
+                gpu,
+                passes,
+                &jobs,
+                timeout,
+                |job, mapped| match jobs[job].copied {
+                    None => words[job].extend_from_slice(mapped),
+                    Some(texture) if job == 0 => {
+                        let codes = Codes::at(codes, composition.exposure);
+                        picture = Some(copied::compose(texture, mapped, composition, codes));
+                    }
+                    Some(texture) => words[job] = copied::words(texture, mapped),
+                },
+            )?;
         let mut words = words.into_iter();
-        let picture = Picture {
+        let composed = words.next().unwrap_or_default();
+        let picture = picture.unwrap_or_else(|| Picture {
             size_px: targets.size_px(),
-            rgba: bytemuck::cast_slice(&words.next().unwrap_or_default()).into(),
-        };
+            rgba: bytemuck::cast_slice(&composed).into(),
+        });
         let range = range_keys.and_then(|keys| range(keys, shown.plane_format()));
         let range = range.map(|[least, greatest]| composition.ramp_ends(least, greatest));
         let range = composition.given_ends().or(range);
@@ -153,6 +182,25 @@ impl Composer {
         })
     }
 
+    /// The target's texture if it is better copied than passed over: the device is software, `suits` says yes to its format,
+    /// and it fits into one buffer.
+    fn copied<'t>(
+        &self,
+        target: &'t GpuTarget,
+        suits: impl FnOnce(wgpu::TextureFormat) -> bool,
+    ) -> Option<&'t wgpu::Texture> {
+        let texture = &target.texture;
+        let bytes = u64::from(copied::row_bytes(texture)) * u64::from(texture.height());
+        let depth_copies = wgpu::DownlevelFlags::DEPTH_TEXTURE_AND_BUFFER_COPIES;
+        let copies_format = !texture.format().has_depth_aspect()
+            || self.gpu.downlevel_flags().contains(depth_copies);
+        let can = suits(texture.format())
+            && copies_format
+            && texture.usage().contains(wgpu::TextureUsages::COPY_SRC)
+            && bytes <= self.gpu.limits.max_buffer_size;
+        (self.copies && can).then_some(texture)
+    }
+
     /// Bytes that the composer holds on the device, and in memory that the device writes.
     pub fn bytes(&self) -> u64 {
         self.readback.bytes()
@@ -161,6 +209,11 @@ impl Composer {
 
 #[cfg(test)]
 impl Composer {
+    /// Chooses the way, whatever the device is.
+    pub(super) fn copy(&mut self, copies: bool) {
+        self.copies = copies;
+    }
+
     /// Makes bands as small as if the device could bind no more bytes.
     pub(super) fn limit_bands(&mut self, bytes: u64) {
         self.readback.max_band_bytes = bytes;

@@ -62,14 +62,14 @@ pub fn compose(targets: &CpuTargets, composition: &Composition) -> Option<Compos
 }
 
 /// The background in one row.
-struct Behind {
+pub(super) struct Behind {
     opaque: bool,
     linear: Vec3,
-    bytes: Rgba,
+    pub(super) bytes: Rgba,
 }
 
 impl Behind {
-    fn of_row(composition: &Composition, y: usize) -> Self {
+    pub(super) fn of_row(composition: &Composition, y: usize) -> Self {
         let (top, bottom, opaque) = composition.background_edges();
         let row_centre = composition.tile_origin_y_px + y as f32 + 0.5;
         let position = (row_centre / composition.image_height_px).clamp(0.0, 1.0);
@@ -168,7 +168,7 @@ fn show_number(
 }
 
 /// Premultiplied linear light over the background, as sRGB.
-fn over_background(colour: Vec4, exposure: f32, behind: &Behind) -> Rgba {
+pub(super) fn over_background(colour: Vec4, exposure: f32, behind: &Behind) -> Rgba {
     let alpha = positive(colour.w).min(1.0);
     let light = (colour.truncate() * exposure).map(positive);
     if alpha == 0.0 && light == Vec3::ZERO {

@@ -12,6 +12,7 @@ mod colour_vision_tests;
 pub mod compose;
 pub mod compose_cpu;
 mod composition;
+mod copied;
 mod cpu_targets;
 mod depth;
 pub mod fallback;

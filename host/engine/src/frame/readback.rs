@@ -11,6 +11,7 @@ use wgpu::BufferUsages;
 use wgpu::util::DeviceExt as _;
 
 use super::compose::Uniform;
+use super::copied;
 use super::passes::{Pass, Passes, RANGE_KEYS, TARGET, UNIFORM, WORDS, WORKGROUP_PX};
 use crate::device::{GpuDevice, GpuError};
 
@@ -19,19 +20,12 @@ use crate::device::{GpuDevice, GpuError};
 pub(super) struct Job<'t> {
     pub(super) pass: Pass,
     pub(super) view: &'t wgpu::TextureView,
+    /// Copied as it is, in padded rows ([`copied`](super::copied)), instead of running the pass.
+    pub(super) copied: Option<&'t wgpu::Texture>,
     /// With the size of the target; rows are filled in per band.
     pub(super) uniform: Uniform,
     /// Whether the range of the target's values is found first.
     pub(super) needs_range: bool,
-}
-
-/// What the jobs wrote.
-#[derive(Debug)]
-pub(super) struct Words {
-    /// Of each job, in order.
-    pub(super) words: Vec<Vec<u32>>,
-    /// Least and greatest value in view, as keys, of the job that needed them.
-    pub(super) range_keys: Option<[u32; 2]>,
 }
 
 /// Buffers that are kept from frame to frame.
@@ -72,14 +66,17 @@ impl Readback {
         }
     }
 
-    /// Runs the jobs and waits for their words.
+    /// Runs the jobs, waits for their words, and hands them on: the number of the job, and words that follow those before.
+    ///
+    /// Returns the least and the greatest value in view, as keys, of the job that needed them.
     pub(super) fn run(
         &mut self,
         gpu: &GpuDevice,
         passes: &Passes,
         jobs: &[Job<'_>],
         timeout: Duration,
-    ) -> Result<Words, GpuError> {
+        mut take: impl FnMut(usize, &[u32]),
+    ) -> Result<Option<[u32; 2]>, GpuError> {
         let (staged, arrived, submission) = gpu.scoped(|| self.submit(gpu, passes, jobs))?;
         gpu.wait(Some(submission), timeout)?;
         for _ in &staged {
@@ -94,21 +91,20 @@ impl Readback {
                 }
             }
         }
-        let mut words = vec![Vec::new(); jobs.len()];
         let mut range_keys = None;
         for Staged { job, bytes, buffer } in staged {
             let view = buffer.slice(..bytes).get_mapped_range();
             let view = view.map_err(|error| GpuError::Failed(format!("reading back: {error}")))?;
             let mapped: &[u32] = bytemuck::cast_slice(&view);
             match job {
-                Some(job) => words[job].extend_from_slice(mapped),
+                Some(job) => take(job, mapped),
                 None => range_keys = mapped.try_into().ok(),
             }
             drop(view);
             buffer.unmap();
             self.idle.push(buffer);
         }
-        Ok(Words { words, range_keys })
+        Ok(range_keys)
     }
 
     /// Records and submits everything, and asks for the staging buffers to be mapped.
@@ -121,6 +117,7 @@ impl Readback {
         let device = &gpu.device;
         let widest = jobs
             .iter()
+            .filter(|job| job.copied.is_none())
             .map(|job| self.band_rows(job) * row_bytes(job))
             .max()
             .unwrap_or(4);
@@ -131,10 +128,11 @@ impl Readback {
         });
         let mut staged = Vec::new();
         let mut last_idle = core::mem::take(&mut self.idle);
-        let mut stage = |encoder: &mut wgpu::CommandEncoder, source, job, bytes| {
+        let mut stage = |job, bytes| {
             let buffer = take_or_new(&mut last_idle, device, bytes);
-            encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, bytes);
+            let copy = buffer.clone();
             staged.push(Staged { job, bytes, buffer });
+            copy
         };
         let pass_over = |encoder: &mut wgpu::CommandEncoder,
                          pass,
@@ -150,6 +148,23 @@ impl Readback {
             pass.dispatch_workgroups(width.div_ceil(across), uniform.row_count.div_ceil(down), 1);
         };
         for (index, job) in jobs.iter().enumerate() {
+            if let Some(texture) = job.copied {
+                let row_bytes = copied::row_bytes(texture);
+                let bytes = u64::from(row_bytes) * u64::from(texture.height());
+                encoder.copy_texture_to_buffer(
+                    texture.as_image_copy(),
+                    wgpu::TexelCopyBufferInfo {
+                        buffer: &stage(Some(index), bytes),
+                        layout: wgpu::TexelCopyBufferLayout {
+                            offset: 0,
+                            bytes_per_row: Some(row_bytes),
+                            rows_per_image: None,
+                        },
+                    },
+                    texture.size(),
+                );
+                continue;
+            }
             if job.needs_range {
                 gpu.queue
                     .write_buffer(&range, 0, bytemuck::cast_slice(&[u32::MAX, 0]));
@@ -159,7 +174,8 @@ impl Readback {
                     job,
                     &job.uniform,
                 );
-                stage(&mut encoder, &range, None, RANGE_BYTES);
+                let staged = stage(None, RANGE_BYTES);
+                encoder.copy_buffer_to_buffer(&range, 0, &staged, 0, RANGE_BYTES);
             }
             let height = job.uniform.size_px[1];
             let band_rows = self.band_rows(job) as u32;
@@ -171,7 +187,8 @@ impl Readback {
                 };
                 pass_over(&mut encoder, job.pass, job, &uniform);
                 let bytes = u64::from(uniform.row_count) * row_bytes(job);
-                stage(&mut encoder, &scratch, Some(index), bytes);
+                let staged = stage(Some(index), bytes);
+                encoder.copy_buffer_to_buffer(&scratch, 0, &staged, 0, bytes);
             }
         }
         let submission = gpu.queue.submit([encoder.finish()]);

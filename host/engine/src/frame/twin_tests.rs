@@ -10,7 +10,7 @@ use pointstage_scene::{Camera, Projection};
 
 use super::compose::{ComposeError, Composer};
 use super::cpu_targets::{CpuTargets, PlaneValues};
-use super::targets::{DEPTH, HOST_TARGETS, ID, PlaneFormat};
+use super::targets::{Appearance, DEPTH, HOST_TARGETS, ID, PlaneFormat};
 use super::{Background, Composition, Fit, GpuTarget, TargetSet, TargetSpec, compose_cpu};
 use crate::device::{Backend, DeviceOptions, GpuDevice};
 
@@ -337,9 +337,18 @@ fn every_target_looks_the_same_on_the_device_and_on_the_cpu() {
                         ..composition(shown, *background, *clip_from_view)
                     };
                     let cpu = compose_cpu::compose(&planes, &composition).unwrap();
+                    let what = format!("{} {size_px:?} {background:?}", shown.key);
+                    composer.copy(true);
+                    let copied = composer.compose(&targets, &composition, &[], TIMEOUT);
+                    let copied = copied.unwrap().composed;
+                    if shown.format == Format::RGBA16_FLOAT
+                        && shown.appearance == Appearance::Colours
+                    {
+                        assert!(copied.picture == cpu.picture, "{what}, copied");
+                    }
+                    composer.copy(false);
                     let device = composer.compose(&targets, &composition, &[], TIMEOUT);
                     let device = device.unwrap().composed;
-                    let what = format!("{} {size_px:?} {background:?}", shown.key);
                     let pairs = core::iter::zip(&*cpu.picture.rgba, &*device.picture.rgba);
                     let worst = pairs.map(|(cpu, device)| cpu.abs_diff(*device)).max();
                     assert_eq!(cpu.picture.rgba.len(), device.picture.rgba.len());
@@ -376,18 +385,24 @@ fn targets_come_back_as_they_are_in_bands_too() {
         let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
         let composition = composition(&HOST_TARGETS[0], Background::Transparent, Mat4::IDENTITY);
         let mut composer = Composer::new(Arc::clone(&gpu)).unwrap();
-        let whole = composer
-            .compose(&targets, &composition, &keys, TIMEOUT)
-            .unwrap();
-        for key in keys.iter().copied() {
-            let [expected, found] = [planes.read(key).unwrap(), whole.planes[key].clone()];
-            // Bits, since NaN is equal to nothing; but bytes where a driver divides by 255 in its own way.
-            let [expected, found] = match key {
-                "mask" => [bytes(&expected), bytes(&found)],
-                _ => [bits(&expected), bits(&found)],
-            };
-            assert!(expected == found, "{key}");
-        }
+        let mut whole = |copies| {
+            composer.copy(copies);
+            let whole = composer
+                .compose(&targets, &composition, &keys, TIMEOUT)
+                .unwrap();
+            for key in keys.iter().copied() {
+                let [expected, found] = [planes.read(key).unwrap(), whole.planes[key].clone()];
+                // Bits, since NaN is equal to nothing; but bytes where a driver divides by 255 in its own way.
+                let [expected, found] = match key {
+                    "mask" => [bytes(&expected), bytes(&found)],
+                    _ => [bits(&expected), bits(&found)],
+                };
+                assert!(expected == found, "{key}, copied: {copies}");
+            }
+            whole
+        };
+        whole(true);
+        let whole = whole(false);
         // Three rows of four floats at once.
         composer.limit_bands(37 * 16 * 3);
         let banded = composer

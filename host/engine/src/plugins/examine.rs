@@ -43,6 +43,12 @@ pub struct PluginFile {
 }
 
 impl PluginFile {
+    /// Whether it says that it holds the plugin `id`.
+    pub fn has(&self, id: &str) -> bool {
+        let mut plugins = self.manifest.iter().flat_map(|manifest| &manifest.plugins);
+        plugins.any(|plugin| plugin.id == id)
+    }
+
     /// How long loading it into this process took; none if it was not loaded yet. Once loaded it stays, also when nothing
     /// of it is in use.
     pub fn load_time(&self) -> Option<Duration> {

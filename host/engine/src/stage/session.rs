@@ -11,7 +11,7 @@ use crate::device::GpuDevice;
 use crate::frame::compose::Composer;
 use crate::frame::targets::TargetSpec;
 use crate::gpu::{GpuService, Owner};
-use crate::plugins::{Factory, PluginInfo, Registry, UnknownPlugin, Watch};
+use crate::plugins::{Factory, PluginFile, PluginInfo, Registry, UnknownPlugin, Watch};
 use pointstage_plugin_api::Error as PluginError;
 use pointstage_plugin_api::abi::{HostRef, RendererBox, StructureBox};
 use std::collections::{BTreeSet, HashMap};
@@ -176,10 +176,13 @@ impl Stage {
         ids.into_iter()
             .map(|id| {
                 let (handle_count, bytes) = self.holdings(id);
+                let mut files = self.registry.files().iter();
+                let file = files.find(|file| file.has(id));
                 PluginHoldings {
                     id: id.clone(),
                     handle_count,
                     bytes,
+                    load_time: file.and_then(PluginFile::load_time),
                 }
             })
             .collect()

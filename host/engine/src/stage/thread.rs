@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// What the thread has to tell.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +35,8 @@ pub struct PluginHoldings {
     pub handle_count: usize,
     /// Their bytes.
     pub bytes: u64,
+    /// How long its library took to load.
+    pub load_time: Option<Duration>,
 }
 
 /// The stage on a thread of its own. Dropping it ends the thread after the frame in hand.

@@ -112,10 +112,10 @@ fn folders_ui(ui: &mut Ui, folders: &[FolderRow], out: &mut Intents) {
     }
     let id: Id = ui.scope_id().with("folder");
     let mut typed = ui.data(|data| data.get_temp::<String>(id).unwrap_or_default());
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let field = TextEdit::singleline(&mut typed)
             .hint_text("/home/me/plugins")
-            .desired_width((ui.available_width() - 150.0).max(80.0));
+            .desired_width(f32::INFINITY);
         let field = ui.add(field);
         let is_entered =
             field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));

@@ -1,7 +1,7 @@
 //! A panel made from a settings schema: groups, search, conditions, help, reset of one, of a group, of all.
 
 use egui::collapsing_header::{CollapsingState, paint_default_icon};
-use egui::{Button, Id, RichText, Sense, TextEdit, Ui, vec2};
+use egui::{Button, Id, RichText, Sense, TextEdit, Ui, Vec2};
 use pointstage_plugin_api::settings_schema::{
     SettingCost, SettingKind, SettingSchema, SettingValue, SettingValues,
 };
@@ -143,7 +143,7 @@ fn group_ui(
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         // The toolkit's own sign; no font is sure to have one.
-        let size = vec2(ui.spacing().icon_width, ui.spacing().interact_size.y);
+        let size = Vec2::splat(ui.spacing().icon_width);
         let (_, icon) = ui.allocate_exact_size(size, Sense::hover());
         paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
         let heading = ui.add(Button::new(RichText::new(group).strong()).frame(false));

@@ -48,6 +48,7 @@ fn tab(plugin: PluginRow) -> Harness<'static, Intents> {
         id: "org.example.splats".into(),
         handle_count: 7,
         bytes: 3_400_000,
+        load_time: None,
     }];
     asking(move |ui, asked| {
         let tab = PluginsTab {
