@@ -37,9 +37,13 @@ fn shape(display: &RgbaImage, (width, height): (u32, u32)) -> Option<f64> {
             }
         }
     }
-    let side = |axis: usize| f64::from(greatest[axis].checked_sub(least[axis])?.checked_sub(60)?) + 61.0;
-    let (width, height) = (side(0), side(1));
-    Some(width / height)
+    // Less than this is no sphere.
+    const LEAST: u32 = 60;
+    let side = |axis: usize| {
+        let side = greatest[axis].checked_sub(least[axis])? + 1;
+        (side > LEAST).then_some(f64::from(side))
+    };
+    Some(side(0)? / side(1)?)
 }
 
 #[test]

@@ -7,6 +7,7 @@ use egui::{Event, EventFilter, Key, Modifiers, MouseWheelUnit, PointerButton, Re
 use pointstage_plugin_api::abi::Interaction;
 
 use super::fly::FlyKeys;
+use super::trail::Trail;
 use super::{CameraMove, Glide, GlideKind, NavigationOptions, ScrollAction};
 use crate::window::intent::{CameraIntent, Intents, LightIntent};
 
@@ -190,10 +191,11 @@ impl Gestures<'_> {
     fn let_go(&self, ui: &Ui, out: &mut Intents) {
         let is_left = self.response.drag_stopped_by(PointerButton::Primary);
         let is_middle = self.response.drag_stopped_by(PointerButton::Middle);
+        let velocity = self.velocity(ui);
         if !self.options.inertia || !(is_left || is_middle) || is_light_key_down(ui) {
             return;
         }
-        let (velocity, modifiers) = ui.input(|input| (input.pointer.velocity(), input.modifiers));
+        let modifiers = ui.input(|input| input.modifiers);
         let kind = if is_middle || modifiers.shift {
             GlideKind::Pan
         } else if modifiers.ctrl && !self.options.turntable {
@@ -205,6 +207,23 @@ impl Gestures<'_> {
         if let Some(glide) = Glide::from_release(kind, self.heights(velocity)) {
             out.push(CameraIntent::Glide(glide));
         }
+    }
+
+    /// How fast the pointer goes in a drag, points a second.
+    fn velocity(&self, ui: &Ui) -> egui::Vec2 {
+        let id = self.response.id.with("trail");
+        if !self.response.dragged() && !self.response.drag_stopped() {
+            ui.data_mut(|data| data.remove::<Trail>(id));
+            return egui::Vec2::ZERO;
+        }
+        let (now, at) = ui.input(|input| (input.time, input.pointer.latest_pos()));
+        ui.data_mut(|data| {
+            let trail = data.get_temp_mut_or_default::<Trail>(id);
+            if let Some(at) = at {
+                trail.add(now, at);
+            }
+            trail.velocity()
+        })
     }
 }
 

@@ -11,6 +11,7 @@ mod glide;
 mod moves;
 mod navigator;
 mod options;
+mod trail;
 
 pub(crate) use axes::{Axis, UpAxis};
 pub(crate) use fly::take_flying_keys;
