@@ -64,6 +64,14 @@ impl State {
         Widget::from(found)
     }
 
+    /// The first label with this text, from top to bottom.
+    pub fn label(&self, text: &str) -> Option<Widget> {
+        let found = self
+            .widgets()
+            .find(|widget| widget["role"] == "Label" && widget["value"] == *text)?;
+        Widget::from(found)
+    }
+
     /// Whether any text in the window contains `part`.
     pub fn shows(&self, part: &str) -> bool {
         let texts = self

@@ -38,16 +38,21 @@ fn each_step_of_the_guide_leads_where_it_says() -> Result<()> {
 
 /// Writes what the display shows, if pictures are wanted.
 fn picture(desk: &Desk, name: &str) -> Result<()> {
+    picture_down_to(desk, name, i16::MAX)
+}
+
+/// The same, of the rows above `end`.
+fn picture_down_to(desk: &Desk, name: &str, end: i16) -> Result<()> {
     if std::env::var_os("POINTSTAGE_PICTURES").is_none() {
         return Ok(());
     }
     // The state is told when a pass ends; the display shows it a little later.
     std::thread::sleep(std::time::Duration::from_secs(2));
     let path: PathBuf = repository().join("docs/pictures").join(name);
-    golden::write(
-        &without_noise(&desk.window.capture()?),
-        &path.with_extension("png"),
-    )
+    let shown = without_noise(&desk.window.capture()?);
+    let height = shown.height().min(u32::try_from(end)?);
+    let part = image::imageops::crop_imm(&shown, 0, 0, shown.width(), height).to_image();
+    golden::write(&part, &path.with_extension("png"))
 }
 
 /// Five bits a channel: texts and colours look the same, and the file has half the size.
@@ -120,8 +125,13 @@ fn tabs(desk: &mut Desk) -> Result<()> {
     ] {
         desk.window.click_on("Tab", tab)?;
         rest(desk, tab, |state| state.shows(text))?;
-        // The list of plugins names folders of the machine that it is on: no picture for a guide.
-        if tab != "Plugins" {
+        if tab == "Plugins" {
+            // Below are folders of the machine that this runs on.
+            let end = desk.window.wait_for_state("folders", |state| {
+                state.label("Folders").map(|label| label.rect[1])
+            })?;
+            picture_down_to(desk, name, end)?;
+        } else {
             picture(desk, name)?;
         }
     }
@@ -160,7 +170,13 @@ fn targets(desk: &mut Desk) -> Result<()> {
 
 fn dialogs(desk: &mut Desk) -> Result<()> {
     desk.window.press_keys("ctrl+s")?;
-    rest(desk, "the dialog", |state| state.shows("Save image"))?;
+    // No folder of the machine that this runs on.
+    desk.window
+        .type_into("TextInput", "File:", "/home/me/snake.png")?;
+    rest(desk, "the dialog", |state| {
+        state.shows("/home/me/snake.png")
+    })?;
+    picture(desk, "save_image")?;
     desk.window.press_keys("Escape")?;
     rest(desk, "the end of the dialog", |state| {
         state.widget("CheckBox", "Transparent background").is_none()

@@ -65,9 +65,8 @@ fn a_slider_that_moves_calls_the_preview() -> Result<()> {
         return Ok(());
     };
     desk.window.click_on("Tab", "View")?;
-    desk.window.drag_slider("Exposure", 0.0, |state| {
-        state.session("drawn_by") == POINTS
-    })?;
+    desk.window
+        .drag_slider("Exposure", 0.0, |state| state.session("drawn_by") == POINTS)?;
     desk.window
         .settle("the main one", |state| state.session("drawn_by") == SURFEL)?;
     desk.close()

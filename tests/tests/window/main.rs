@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use pointstage_tests::program::{self, Program};
-use pointstage_tests::window::{Display, State};
 use pointstage_tests::scenes;
+use pointstage_tests::window::{Display, State};
 
 use desk::{Desk, POINTS, coloured, difference, same, sphere};
 

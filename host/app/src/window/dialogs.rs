@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::{Align2, Context, Key, TextEdit, Window};
 
-use super::intent::{FileIntent, Intents, OpenMode, Overwrite};
+use super::intent::{ExportIntent, FileIntent, Intents, OpenMode, Overwrite};
 use crate::session_file::SUFFIX;
 
 /// What a file is named for.
@@ -16,6 +16,8 @@ pub(crate) enum Asked {
     Open(OpenMode),
     /// The file that a session is saved to; the dialog starts with this one.
     Save(PathBuf),
+    /// Where an image goes; the dialog starts with this place.
+    SaveImage(PathBuf),
 }
 
 /// A system dialog that is open.
@@ -55,6 +57,11 @@ impl FileDialog {
                             out.push(FileIntent::SaveSession(path, Overwrite::Agreed));
                         }
                     }
+                    Asked::SaveImage(_) => {
+                        if let Some(path) = files.pop() {
+                            out.push(ExportIntent::SetPath(path));
+                        }
+                    }
                 }
                 false
             }
@@ -80,18 +87,30 @@ fn ask_system(asked: &Asked) -> Vec<PathBuf> {
             .pick_files()
             .unwrap_or_default(),
         Asked::Save(path) => {
-            let mut dialog = dialog
+            let dialog = dialog
                 .set_title("Save session")
                 .add_filter("Sessions", &["toml"]);
-            if let Some(folder) = path.parent() {
-                dialog = dialog.set_directory(folder);
-            }
-            if let Some(name) = path.file_name() {
-                dialog = dialog.set_file_name(name.to_string_lossy());
-            }
-            dialog.save_file().into_iter().collect()
+            ask_where(dialog, path)
+        }
+        Asked::SaveImage(path) => {
+            let dialog = dialog
+                .set_title("Save image")
+                .add_filter("Pictures", &["png"])
+                .add_filter("All targets", &["exr"]);
+            ask_where(dialog, path)
         }
     }
+}
+
+/// Asks for a file to write, starting with `path`.
+fn ask_where(mut dialog: rfd::FileDialog, path: &Path) -> Vec<PathBuf> {
+    if let Some(folder) = path.parent() {
+        dialog = dialog.set_directory(folder);
+    }
+    if let Some(name) = path.file_name() {
+        dialog = dialog.set_file_name(name.to_string_lossy());
+    }
+    dialog.save_file().into_iter().collect()
 }
 
 /// The field for a typed path.

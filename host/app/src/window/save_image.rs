@@ -103,6 +103,12 @@ impl SaveImage {
         }
     }
 
+    /// Fills in where the image goes.
+    pub(crate) fn set_path(&mut self, path: &Path) {
+        self.path = path.display().to_string();
+        self.asks_to_replace = false;
+    }
+
     /// Asks whether the file that is there may go.
     pub(crate) fn ask_to_replace(&mut self) {
         self.asks_to_replace = true;
@@ -118,7 +124,7 @@ impl SaveImage {
             .resizable(false)
             .collapsible(false)
             .show(ctx, |ui| {
-                let is_entered = self.path_ui(ui);
+                let is_entered = self.path_ui(ui, out);
                 let format = Format::of(Path::new(self.path.trim()));
                 format_ui(ui, format, facts.targets);
                 ui.add_space(6.0);
@@ -134,12 +140,20 @@ impl SaveImage {
     }
 
     /// The field for the path; whether Enter was pressed in it.
-    fn path_ui(&mut self, ui: &mut Ui) -> bool {
+    fn path_ui(&mut self, ui: &mut Ui, out: &mut Intents) -> bool {
         let label = ui.label("File:");
-        let field = TextEdit::singleline(&mut self.path)
-            .desired_width(420.0)
-            .hint_text("/home/me/picture.png");
-        let response = ui.add(field).labelled_by(label.id);
+        let response = ui
+            .horizontal(|ui| {
+                let field = TextEdit::singleline(&mut self.path)
+                    .desired_width(420.0)
+                    .hint_text("/home/me/picture.png");
+                let response = ui.add(field).labelled_by(label.id);
+                if ui.button("Choose…").clicked() {
+                    out.push(ExportIntent::ChoosePath(typed_path(&self.path)));
+                }
+                response
+            })
+            .inner;
         if !self.has_been_focused {
             response.request_focus();
             self.has_been_focused = true;

@@ -145,21 +145,16 @@ impl Composer {
         } = self;
         let mut picture = None;
         let mut words = vec![Vec::new(); jobs.len()];
-        let range_keys =
-            readback.run(
-                gpu,
-                passes,
-                &jobs,
-                timeout,
-                |job, mapped| match jobs[job].copied {
-                    None => words[job].extend_from_slice(mapped),
-                    Some(texture) if job == 0 => {
-                        let codes = Codes::at(codes, composition.exposure);
-                        picture = Some(copied::compose(texture, mapped, composition, codes));
-                    }
-                    Some(texture) => words[job] = copied::words(texture, mapped),
-                },
-            )?;
+        let range_keys = readback.run(gpu, passes, &jobs, timeout, |job, mapped| {
+            match jobs[job].copied {
+                None => words[job].extend_from_slice(mapped),
+                Some(texture) if job == 0 => {
+                    let codes = Codes::at(codes, composition.exposure);
+                    picture = Some(copied::compose(texture, mapped, composition, codes));
+                }
+                Some(texture) => words[job] = copied::words(texture, mapped),
+            }
+        })?;
         let mut words = words.into_iter();
         let composed = words.next().unwrap_or_default();
         let picture = picture.unwrap_or_else(|| Picture {

@@ -12,6 +12,7 @@ use crate::output::export::{
 };
 use crate::output::record;
 use crate::window::app::App;
+use crate::window::dialogs::Asked;
 use crate::window::intent::{Backdrop, ExportIntent, ImageFile, Replace, WindowIntent};
 use crate::window::loading::Finished;
 use crate::window::log::Offer;
@@ -26,6 +27,12 @@ impl App {
                 let name = self.session.scene.objects().first();
                 let name = name.map_or("picture", |object| object.name.as_str());
                 self.save_image = Some(previous.unwrap_or_else(|| SaveImage::new(name)));
+            }
+            ExportIntent::ChoosePath(path) => self.choose_files(Asked::SaveImage(path)),
+            ExportIntent::SetPath(path) => {
+                if let Some(dialog) = &mut self.save_image {
+                    dialog.set_path(&path);
+                }
             }
             ExportIntent::Save(image) => self.save(&image),
         }

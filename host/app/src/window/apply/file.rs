@@ -106,7 +106,7 @@ impl App {
         }
     }
 
-    fn choose_files(&mut self, asked: Asked) {
+    pub(super) fn choose_files(&mut self, asked: Asked) {
         match FileDialog::open(asked, self.wake.clone()) {
             Ok(dialog) => self.dialog = Some(dialog),
             Err(error) => self.log.error(

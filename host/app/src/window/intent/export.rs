@@ -7,6 +7,10 @@ use std::path::PathBuf;
 pub(crate) enum ExportIntent {
     /// Show the dialog that saves the picture.
     ShowDialog,
+    /// Ask the system's dialog where the picture goes, starting with this place.
+    ChoosePath(PathBuf),
+    /// The picture goes here: fill it into the dialog that saves.
+    SetPath(PathBuf),
     /// Save the picture.
     Save(ImageFile),
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use egui::{Ui};
+use egui::Ui;
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{Object, ObjectId, Scene, WarningKind, Warnings};
 
