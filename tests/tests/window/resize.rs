@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
 use image::RgbaImage;
+use pointstage_tests::window::State;
 
 use super::SURFEL;
 use super::desk::Desk;
@@ -68,7 +69,7 @@ fn a_window_that_is_resized_shows_the_sphere_round_at_all_times() -> Result<()> 
         let start = Instant::now();
         let mut since = None;
         while start.elapsed() < WATCHED {
-            let passes = window.wait_for_state("a pass", |state| state.passes())?;
+            let passes = window.wait_for_state("a pass", State::passes)?;
             let shape = shape(&window.capture()?, size);
             if shape.is_some_and(|shape| (shape - 1.0).abs() < 0.05) {
                 since = None;
