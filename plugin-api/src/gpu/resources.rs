@@ -120,4 +120,5 @@ as_handle! {
     BufferRef => |value| value.0;
     GroupRef => |value| value.0;
     TextureRef => |value| value.0;
+    Handle => |value| *value;
 }

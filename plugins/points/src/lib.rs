@@ -57,6 +57,7 @@ impl View<Points> for PointsView {
             auto: AutoPath::ComputeWithInt64,
             features: &settings.features(),
             extent: settings.extent(),
+            bytes_per_pixel: 0,
             uniform: bytemuck::bytes_of(&uniform),
         };
         self.visibility

@@ -69,6 +69,7 @@ impl View<Surfel> for SurfelView {
                 &[]
             },
             extent: Extent::Any,
+            bytes_per_pixel: 0,
             uniform: bytemuck::bytes_of(&uniform),
         };
         self.visibility

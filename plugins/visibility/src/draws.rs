@@ -6,46 +6,51 @@ use pointstage_plugin_api::{DrawFlags, Frame};
 
 /// One draw of the selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DrawItem {
-    pub(crate) uniform_offset: u32,
-    pub(crate) columns: GroupRef,
+pub struct DrawItem {
+    /// Of its uniform, for group 0.
+    pub uniform_offset: u32,
+    /// Group 1.
+    pub columns: GroupRef,
     /// Surfels, at most.
-    pub(crate) count: u32,
-    pub(crate) id_base: u32,
+    pub count: u32,
+    /// First id of its block.
+    pub id_base: u32,
 }
 
 /// Surfels that lie together and have their own range of ids; several draws may share them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct BlockItem {
+pub struct BlockItem {
     /// Of a draw of the block: object, material and flags are the same for all of them.
-    pub(crate) uniform_offset: u32,
+    pub uniform_offset: u32,
     /// Of that draw, with the columns that all of the block's draws share.
-    pub(crate) columns: GroupRef,
-    pub(crate) id_base: u32,
+    pub columns: GroupRef,
+    /// First id.
+    pub id_base: u32,
     /// Surfels of the block.
-    pub(crate) id_count: u32,
+    pub id_count: u32,
     /// Where its splats can be.
-    pub(crate) pixels: PixelRectangle,
+    pub pixels: PixelRectangle,
     level: f32,
 }
 
 /// What a frame draws.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct DrawList {
+pub struct DrawList {
     /// By rising id, so that of two surfels at one depth both paths keep the same.
-    pub(crate) draws: Vec<DrawItem>,
-    pub(crate) blocks: Vec<BlockItem>,
+    pub draws: Vec<DrawItem>,
+    /// In the order of their first draws.
+    pub blocks: Vec<BlockItem>,
     /// Whether draws of one block have different levels: then only the raster path can tell a pixel's level.
-    pub(crate) mixes_levels: bool,
+    pub mixes_levels: bool,
     /// Whether no draw is indexed or indirect.
-    pub(crate) is_direct: bool,
+    pub is_direct: bool,
     /// Surfels selected, at most.
-    pub(crate) surfel_count: u64,
+    pub surfel_count: u64,
 }
 
 impl DrawList {
     /// * `reach_px`: how far splats reach from their projected centres, if it is known; px.
-    pub(crate) fn of(frame: &Frame<'_>, reach_px: Option<f32>) -> Self {
+    pub fn of(frame: &Frame<'_>, reach_px: Option<f32>) -> Self {
         let mut list = Self {
             is_direct: true,
             ..Self::default()

@@ -9,7 +9,9 @@
 //! 2. **shading**: for each block, one full-screen triangle that lights the visible surfels and fills the targets that
 //!    were asked for. So no surfel is lit in vain, and targets that nobody wants cost nothing.
 //!
-//! `points` (sprites) and `surfel` (elliptical disks) are made of it. It stands on the public plugin interface only.
+//! `points` (sprites) and `surfel` (elliptical disks) are made of it. A renderer that blends, as `hqss` does, takes the first
+//! step ([`VisibilityView::record_visible`]) and goes on by itself with the draws, targets and kernels that are public here.
+//! It stands on the public plugin interface only.
 
 #![forbid(unsafe_code)]
 
@@ -24,7 +26,13 @@ mod shader_checks;
 mod targets;
 mod view;
 
+pub use draws::{BlockItem, DrawItem, DrawList};
 pub use footprint::{Footprint, Varying};
-pub use pipelines::{Prepared, linked_variants};
+pub use pipelines::{
+    Cache, Kernels, Prepared, QUADS_PER_INSTANCE, Source, cached, linked_variants,
+};
+pub use record::{KernelGroups, record_kernels, record_quads};
+pub use rectangle::PixelRectangle;
 pub use request::{AutoPath, Extent, Path, Request};
-pub use view::VisibilityView;
+pub use targets::{TargetSet, Targets};
+pub use view::{BLOCK_STRIDE, Visible, VisibilityView};

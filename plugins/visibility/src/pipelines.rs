@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 /// Quads of the index buffer; `QUADS_PER_INSTANCE` in the shader.
-pub(crate) const QUADS_PER_INSTANCE: u32 = 65_536;
+pub const QUADS_PER_INSTANCE: u32 = 65_536;
 /// Invocations of a workgroup.
 const GROUP: u32 = 256;
 /// The same where one thread runs a workgroup: fewer of them start.
@@ -47,38 +47,44 @@ pub(crate) enum Kernel {
 
 /// The kernel for all surfels, and the one for those of many pixels.
 #[derive(Clone)]
-pub(crate) struct Kernels {
-    pub(crate) each: ComputePipeline,
+pub struct Kernels {
+    /// For all surfels of a draw.
+    pub each: ComputePipeline,
     /// Invocations of a workgroup of `each`.
-    pub(crate) group_size: u32,
-    pub(crate) large: ComputePipeline,
+    pub group_size: u32,
+    /// For those of many pixels, a workgroup each.
+    pub large: ComputePipeline,
 }
 
 /// Where the shading pass finds what is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Source {
+pub enum Source {
     /// The raster path's id texture.
     Ids,
     /// The compute path's buffer.
     Pixels,
 }
 
-type Cache<K, V> = Mutex<BTreeMap<K, V>>;
+/// Things that are made on first use, by key.
+pub type Cache<K, V> = Mutex<BTreeMap<K, V>>;
 
 /// A renderer, prepared: shared by its views. Nothing in it depends on the scene.
 pub struct Prepared {
-    pub(crate) gpu: Gpu,
+    /// The device.
+    pub gpu: Gpu,
     pub(crate) footprint: Footprint,
     pub(crate) quads: Buffer,
     /// Group 2 of visibility: the footprint's uniform.
-    pub(crate) footprint_layout: BindGroupLayout,
+    pub footprint_layout: BindGroupLayout,
     /// Group 3 of the compute path: pixels, large surfels.
     pub(crate) pixels_layout: BindGroupLayout,
     /// Group 2 of shading, by [`Source`]: what is visible, and the block.
     pub(crate) ids_layout: BindGroupLayout,
     pub(crate) visible_layout: BindGroupLayout,
-    frame_layout: BindGroupLayout,
-    columns_layout: BindGroupLayout,
+    /// Group 0 of all passes.
+    pub frame_layout: BindGroupLayout,
+    /// Group 1 of all passes.
+    pub columns_layout: BindGroupLayout,
     raster: Cache<(Vec<&'static str>, bool), RenderPipeline>,
     compute: Cache<(Vec<&'static str>, Kernel), Kernels>,
     shading: Cache<(Source, TargetSet), RenderPipeline>,
@@ -90,12 +96,12 @@ impl Prepared {
     /// # Errors
     /// If the device refuses a resource.
     pub fn new(gpu: &Gpu, footprint: Footprint) -> Result<Self> {
-        let both = ShaderStages::VERTEX | ShaderStages::COMPUTE;
+        let any = ShaderStages::VERTEX | ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let fragment = ShaderStages::FRAGMENT;
         let layout = |label, entries: &[_]| gpu.bind_group_layout(label, entries);
         Ok(Self {
             quads: quads(gpu)?,
-            footprint_layout: layout("footprint", &[(0, both, Binding::Uniform)])?,
+            footprint_layout: layout("footprint", &[(0, any, Binding::Uniform)])?,
             pixels_layout: layout(
                 "pixels and large surfels",
                 &[
@@ -192,8 +198,9 @@ impl Prepared {
         })
     }
 
-    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shader.
-    fn group_size(&self) -> u32 {
+    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shaders, which have the feature `wide` where
+    /// [`is_wide`](Self::is_wide).
+    pub fn group_size(&self) -> u32 {
         let limits = [
             "max_compute_invocations_per_workgroup",
             "max_compute_workgroup_size_x",
@@ -204,6 +211,11 @@ impl Prepared {
         } else {
             GROUP
         }
+    }
+
+    /// Whether the compute kernels have large workgroups.
+    pub fn is_wide(&self) -> bool {
+        self.group_size() == WIDE_GROUP
     }
 
     /// The shading pipeline for a set of targets.
@@ -250,6 +262,7 @@ fn raster_features<'a>(footprint: &Footprint, features: &[&'a str], level: bool)
     let varying = match footprint.varying {
         Varying::Flat => "flat",
         Varying::Linear => "linear",
+        Varying::Both => "both",
     };
     features
         .iter()
@@ -310,7 +323,10 @@ pub fn linked_variants(
 }
 
 /// The value for a key, made on first use. A view that finds another making it waits: both need it.
-fn cached<K: Ord + Clone, V: Clone>(
+///
+/// # Errors
+/// What `make` says.
+pub fn cached<K: Ord + Clone, V: Clone>(
     cache: &Cache<K, V>,
     key: K,
     make: impl FnOnce() -> Result<V>,

@@ -22,6 +22,7 @@ const PIXEL: &str = "
     fn flat_covers(flat: vec3f, pixel: vec2f) -> bool { return true; }
     fn footprint_linear(footprint: Footprint, pixel: vec2f) -> vec3f { return vec3f(0.0); }
     fn linear_covers(linear: vec3f) -> bool { return true; }
+    fn both_cover(flat: vec3f, linear: vec3f, pixel: vec2f) -> bool { return true; }
 ";
 
 fn footprint(varying: Varying) -> Footprint {
@@ -35,7 +36,7 @@ fn footprint(varying: Varying) -> Footprint {
 
 #[test]
 fn every_visibility_variant_validates() {
-    for varying in [Varying::Flat, Varying::Linear] {
+    for varying in [Varying::Flat, Varying::Linear, Varying::Both] {
         for (name, wgsl) in linked_variants(&footprint(varying), &[]).unwrap() {
             validated(&name, &wgsl);
         }
@@ -44,7 +45,9 @@ fn every_visibility_variant_validates() {
 
 #[test]
 fn every_set_of_targets_shades() {
-    for set in TargetSet::each() {
+    // Opaque splats have no weights.
+    let is_opaque = |set: &TargetSet| !set.features().contains(&"weight");
+    for set in TargetSet::each().filter(is_opaque) {
         let wgsl = link_shading(Source::Pixels, set).unwrap();
         validated(&format!("pixels {set:?}"), &wgsl);
         let colours_only = !set.has_depth() && set.formats().next().is_some();

@@ -8,22 +8,23 @@ use crate::view::{BLOCK_STRIDE, VisibilityView};
 use pointstage_plugin_api::abi::Handle;
 use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
 use pointstage_plugin_api::gpu::{
-    AsHandle, BindGroup, ColourAttachment, DepthAttachment, GroupRef, Recorder, RenderPipeline,
+    AsHandle, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef, Recorder,
+    RenderPass, RenderPipeline,
 };
-use pointstage_plugin_api::{Error, Result};
+use pointstage_plugin_api::{Error, Result, Target};
 
-/// Visibility by the raster pipeline; the texture with the ids.
+/// Visibility by the raster pipeline; where the ids and the depths are. What has no target goes to the view's own textures.
 pub(crate) fn record_raster(
     recorder: &mut Recorder,
     view: &VisibilityView,
     prepared: &Prepared,
     frame_group: GroupRef,
     list: &DrawList,
-    targets: &Targets,
+    [id, level, depth]: [Option<Target>; 3],
     pipeline: &RenderPipeline,
-) -> Result<Handle> {
+) -> Result<[Handle; 2]> {
     let own = view.raster.as_ref().ok_or_else(missing)?;
-    let (ids, id_attachment) = match targets.id() {
+    let (ids, id_attachment) = match id {
         Some(target) => (
             target.texture.as_handle(),
             ColourAttachment::load(&target.texture),
@@ -33,19 +34,34 @@ pub(crate) fn record_raster(
             ColourAttachment::clear(&own.ids, [0.0; 4]),
         ),
     };
-    let depth_attachment = match targets.depth {
-        Some(target) => DepthAttachment::load(&target.texture),
-        None => DepthAttachment::clear(&own.depth),
+    let (depths, depth_attachment) = match depth {
+        Some(target) => (
+            target.texture.as_handle(),
+            DepthAttachment::load(&target.texture),
+        ),
+        None => (own.depth.as_handle(), DepthAttachment::clear(&own.depth)),
     };
     let mut colours = vec![Some(id_attachment)];
-    if let Some(level) = targets.level() {
+    if let Some(level) = level {
         colours.push(Some(ColourAttachment::load(&level.texture)));
     }
 
     let mut pass = recorder.render_pass("visibility", &colours, Some(depth_attachment));
     pass.set_pipeline(pipeline);
+    record_quads(&mut pass, prepared, frame_group, &view.footprint_group, list);
+    Ok([ids, depths])
+}
+
+/// A quad for each surfel of all draws, by the pipeline that is set: groups 0 to 2, and the index buffer.
+pub fn record_quads(
+    pass: &mut RenderPass<'_>,
+    prepared: &Prepared,
+    frame_group: GroupRef,
+    footprint_group: &BindGroup,
+    list: &DrawList,
+) {
     pass.set_index_buffer(&prepared.quads);
-    pass.set_bind_group(2, &view.footprint_group, &[]);
+    pass.set_bind_group(2, footprint_group, &[]);
     for draw in &list.draws {
         pass.set_bind_group(0, &frame_group, &[draw.uniform_offset]);
         pass.set_bind_group(1, &draw.columns, &[]);
@@ -58,7 +74,6 @@ pub(crate) fn record_raster(
             pass.draw_indexed(0..INDICES_PER_QUAD * rest, 0, whole..whole + 1);
         }
     }
-    Ok(ids)
 }
 
 /// Visibility by compute kernels, each over all draws; the buffer with the pixels.
@@ -72,46 +87,75 @@ pub(crate) fn record_compute(
 ) -> Result<Handle> {
     let buffers = view.compute.as_ref().ok_or_else(missing)?;
     recorder.clear_buffer(&buffers.pixels);
+    let groups = KernelGroups {
+        frame: frame_group,
+        footprint: &view.footprint_group,
+        pixels: &buffers.group,
+        large: (extent == Extent::Any).then_some([&buffers.large, &buffers.arguments]),
+    };
     for kernel in kernels {
-        for draw in &list.draws {
-            let has_large = extent == Extent::Any;
-            if has_large {
-                recorder.push(ClearBuffer {
-                    buffer: buffers.large.as_handle(),
-                    offset: 0,
-                    size: 4,
-                });
-            }
-            let mut pass = recorder.compute_pass("visibility");
-            let groups = |pass: &mut pointstage_plugin_api::gpu::ComputePass<'_>| {
-                pass.set_bind_group(0, &frame_group, &[draw.uniform_offset]);
-                pass.set_bind_group(1, &draw.columns, &[]);
-                pass.set_bind_group(2, &view.footprint_group, &[]);
-                pass.set_bind_group(3, &buffers.group, &[]);
-            };
-            pass.set_pipeline(&kernel.each);
-            groups(&mut pass);
-            pass.dispatch_linear(draw.count, kernel.group_size);
-            drop(pass);
-            if !has_large {
-                continue;
-            }
-
-            // A buffer cannot be written and give a dispatch its arguments at once.
-            recorder.push(CopyBufferToBuffer {
-                source: buffers.large.as_handle(),
-                source_offset: 0,
-                target: buffers.arguments.as_handle(),
-                target_offset: 0,
-                size: 4,
-            });
-            let mut pass = recorder.compute_pass("visibility, large");
-            pass.set_pipeline(&kernel.large);
-            groups(&mut pass);
-            pass.dispatch_indirect(&buffers.arguments, 0);
-        }
+        record_kernels(recorder, "visibility", kernel, list, &groups);
     }
     Ok(buffers.pixels.as_handle())
+}
+
+/// What kernels are bound to.
+#[derive(Clone, Copy)]
+pub struct KernelGroups<'a> {
+    /// Group 0.
+    pub frame: GroupRef,
+    /// Group 2.
+    pub footprint: &'a BindGroup,
+    /// Group 3.
+    pub pixels: &'a BindGroup,
+    /// The list of large surfels, and the arguments of their dispatch; none if no surfel is large.
+    pub large: Option<[&'a Buffer; 2]>,
+}
+
+/// Kernels over all draws, one after the other.
+pub fn record_kernels(
+    recorder: &mut Recorder,
+    label: &str,
+    kernels: &Kernels,
+    list: &DrawList,
+    groups: &KernelGroups<'_>,
+) {
+    for draw in &list.draws {
+        if let Some([large, _]) = groups.large {
+            recorder.push(ClearBuffer {
+                buffer: large.as_handle(),
+                offset: 0,
+                size: 4,
+            });
+        }
+        let bind = |pass: &mut ComputePass<'_>| {
+            pass.set_bind_group(0, &groups.frame, &[draw.uniform_offset]);
+            pass.set_bind_group(1, &draw.columns, &[]);
+            pass.set_bind_group(2, groups.footprint, &[]);
+            pass.set_bind_group(3, groups.pixels, &[]);
+        };
+        let mut pass = recorder.compute_pass(label);
+        pass.set_pipeline(&kernels.each);
+        bind(&mut pass);
+        pass.dispatch_linear(draw.count, kernels.group_size);
+        drop(pass);
+        let Some([large, arguments]) = groups.large else {
+            continue;
+        };
+
+        // A buffer cannot be written and give a dispatch its arguments at once.
+        recorder.push(CopyBufferToBuffer {
+            source: large.as_handle(),
+            source_offset: 0,
+            target: arguments.as_handle(),
+            target_offset: 0,
+            size: 4,
+        });
+        let mut pass = recorder.compute_pass(&format!("{label}, large"));
+        pass.set_pipeline(&kernels.large);
+        bind(&mut pass);
+        pass.dispatch_indirect(arguments, 0);
+    }
 }
 
 /// Shading: each block lights its own pixels.

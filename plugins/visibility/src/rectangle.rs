@@ -6,9 +6,11 @@ use pointstage_plugin_api::{Draw, DrawFlags, Frame};
 
 /// Whole pixels: a corner and a size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PixelRectangle {
-    pub(crate) origin: [u32; 2],
-    pub(crate) size: [u32; 2],
+pub struct PixelRectangle {
+    /// First column and row.
+    pub origin: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
 }
 
 /// Where the splats of a draw's object can be; the whole picture if that is not known.

@@ -88,6 +88,8 @@ pub struct Request<'a> {
     pub features: &'a [&'static str],
     /// How large the splats are.
     pub extent: Extent,
+    /// Bytes that the largest buffer of a renderer's own holds a pixel on the compute path; 0 if it has none.
+    pub bytes_per_pixel: u64,
     /// The footprint's uniform, of the size that [`crate::Footprint`] says.
     pub uniform: &'a [u8],
 }

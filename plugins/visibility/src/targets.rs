@@ -12,7 +12,7 @@ struct Kind {
 }
 
 /// In the order of the slots.
-const KINDS: [Kind; 5] = [
+const KINDS: [Kind; 6] = [
     Kind {
         key: targets::COLOUR,
         format: Format::RGBA16_FLOAT,
@@ -43,18 +43,25 @@ const KINDS: [Kind; 5] = [
         feature: "id",
         slot: "ID_SLOT",
     },
+    Kind {
+        key: targets::WEIGHT,
+        format: Format::R16_FLOAT,
+        feature: "weight",
+        slot: "WEIGHT_SLOT",
+    },
 ];
 
 /// The targets of a frame that this crate writes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Targets {
+pub struct Targets {
     colours: [Option<Target>; KINDS.len()],
-    pub(crate) depth: Option<Target>,
+    /// The depth target.
+    pub depth: Option<Target>,
 }
 
 /// Which targets a shading pipeline fills: a bit for each of `KINDS`, and one for depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct TargetSet(u32);
+pub struct TargetSet(u32);
 
 const LEVEL_INDEX: usize = 3;
 const ID_INDEX: usize = 4;
@@ -63,23 +70,26 @@ const DEPTH_BIT: u32 = 1 << KINDS.len();
 const VISIBILITY_BITS: u32 = 1 << LEVEL_INDEX | 1 << ID_INDEX | DEPTH_BIT;
 
 impl Targets {
-    pub(crate) fn of(frame: &Frame<'_>) -> Self {
+    /// Those that the frame asks for.
+    pub fn of(frame: &Frame<'_>) -> Self {
         Self {
             colours: KINDS.map(|kind| frame.target(kind.key)),
             depth: frame.target(targets::DEPTH),
         }
     }
 
-    pub(crate) fn id(&self) -> Option<Target> {
+    /// The target of ids.
+    pub fn id(&self) -> Option<Target> {
         self.colours[ID_INDEX]
     }
 
-    pub(crate) fn level(&self) -> Option<Target> {
+    /// The target of levels.
+    pub fn level(&self) -> Option<Target> {
         self.colours[LEVEL_INDEX]
     }
 
     /// All that is asked for: what shading fills after the compute path.
-    pub(crate) fn all(&self) -> TargetSet {
+    pub fn all(&self) -> TargetSet {
         let colours = self
             .colours
             .iter()
@@ -93,13 +103,18 @@ impl Targets {
         })
     }
 
+    /// All but the id, which the raster path's visibility pass writes itself.
+    pub fn without_id(&self) -> TargetSet {
+        TargetSet(self.all().0 & !(1 << ID_INDEX))
+    }
+
     /// What shading fills after the raster path.
-    pub(crate) fn without_visibility(&self) -> TargetSet {
+    pub fn without_visibility(&self) -> TargetSet {
         TargetSet(self.all().0 & !VISIBILITY_BITS)
     }
 
     /// The attachments of a set, in slot order.
-    pub(crate) fn attachments(&self, set: TargetSet) -> impl Iterator<Item = Target> + '_ {
+    pub fn attachments(&self, set: TargetSet) -> impl Iterator<Item = Target> + '_ {
         set.indices().filter_map(|index| self.colours[index])
     }
 }
@@ -109,21 +124,23 @@ impl TargetSet {
         (0..KINDS.len()).filter(move |index| self.0 & 1 << index != 0)
     }
 
-    pub(crate) fn is_empty(self) -> bool {
+    /// Whether nothing is to be filled.
+    pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    pub(crate) fn has_depth(self) -> bool {
+    /// Whether the depth target is to be filled.
+    pub fn has_depth(self) -> bool {
         self.0 & DEPTH_BIT != 0
     }
 
     /// Formats of the attachments, in slot order.
-    pub(crate) fn formats(self) -> impl Iterator<Item = Format> {
+    pub fn formats(self) -> impl Iterator<Item = Format> {
         self.indices().map(|index| KINDS[index].format)
     }
 
     /// Features of the shading shader.
-    pub(crate) fn features(self) -> Vec<&'static str> {
+    pub fn features(self) -> Vec<&'static str> {
         let depth = self.has_depth().then_some("depth");
         self.indices()
             .map(|index| KINDS[index].feature)
@@ -133,7 +150,7 @@ impl TargetSet {
 
     /// The WESL module `visibility::slots`: the attachment of each target. Targets outside the set get slot 0, which the
     /// shader then does not use.
-    pub(crate) fn slots_module(self) -> String {
+    pub fn slots_module(self) -> String {
         let slot = |index| {
             self.indices()
                 .position(|other| other == index)
@@ -145,9 +162,8 @@ impl TargetSet {
         KINDS.iter().enumerate().map(line).collect()
     }
 
-    /// Every set that can occur.
-    #[cfg(test)]
-    pub(crate) fn each() -> impl Iterator<Item = Self> {
+    /// Every set that can occur, for tests of shaders.
+    pub fn each() -> impl Iterator<Item = Self> {
         (1..DEPTH_BIT << 1).map(Self)
     }
 }

@@ -9,13 +9,13 @@ use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage
 use pointstage_plugin_api::gpu::{
     AsHandle as _, BindGroup, Buffer, Gpu, Recorder, Texture, TextureOptions,
 };
-use pointstage_plugin_api::{Frame, Host, Outcome, Result, statistics};
+use pointstage_plugin_api::{Frame, Host, Outcome, Result, Target, statistics};
 
-/// `BlockUniform` of the shading pass (first id, number of ids), padded to an offset that every device accepts.
+/// `BlockUniform` of the shading pass (first id, number of ids, whether it is the first block), padded to an offset that every device accepts.
 type BlockUniform = [u32; 64];
 
 /// Bytes from one block's uniform to the next.
-pub(crate) const BLOCK_STRIDE: u32 = size_of::<BlockUniform>() as u32;
+pub const BLOCK_STRIDE: u32 = size_of::<BlockUniform>() as u32;
 /// Large surfels of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
 const LARGE_COUNT: u64 = 65_535;
 
@@ -48,11 +48,23 @@ struct ShadingGroup {
     group: BindGroup,
 }
 
+/// What is visible, where the next step finds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Visible {
+    /// By which path.
+    pub source: Source,
+    /// The texture of ids, or the buffer of pixels (id and depth bits).
+    pub ids: Handle,
+    /// The depth texture, or the same buffer.
+    pub depths: Handle,
+}
+
 /// A renderer in one viewport.
 pub struct VisibilityView {
     host: Host,
     uniform: Buffer,
-    pub(crate) footprint_group: BindGroup,
+    /// Group 2 of visibility: the footprint's uniform.
+    pub footprint_group: BindGroup,
     pub(crate) raster: Option<RasterBuffers>,
     pub(crate) compute: Option<ComputeBuffers>,
     blocks: Option<BlockUniforms>,
@@ -98,43 +110,19 @@ impl VisibilityView {
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
         }
-        let gpu = &prepared.gpu;
-        gpu.write(&self.uniform, 0, request.uniform)?;
-        let blocks = self.write_blocks(gpu, &list)?;
-
-        let by_compute = self.takes_compute(gpu, frame.size_px(), request, &list, &targets);
-        let direct = list.is_direct.then_some("direct");
-        let features: Vec<_> = request.features.iter().copied().chain(direct).collect();
+        let blocks = self.write_blocks(&prepared.gpu, &list)?;
         let mut recorder = Recorder::new();
-        let (source, set, visible) = if by_compute {
-            let kernels = compute_kernels(prepared, request, &features)?;
-            self.ready_compute(prepared, frame.size_px())?;
-            let visible = record_compute(
-                &mut recorder,
-                self,
-                frame.group(),
-                &list,
-                &kernels,
-                request.extent,
-            )?;
-            (Source::Pixels, targets.all(), visible)
-        } else {
-            self.ready_raster(gpu, frame.size_px())?;
-            let pipeline = prepared.raster(&features, targets.level().is_some())?;
-            let visible = record_raster(
-                &mut recorder,
-                self,
-                prepared,
-                frame.group(),
-                &list,
-                &targets,
-                &pipeline,
-            )?;
-            (Source::Ids, targets.without_visibility(), visible)
+        let own = [targets.id(), targets.level(), targets.depth];
+        let visible = self.record_visible(prepared, frame, request, &list, own, &mut recorder)?;
+        let source = visible.source;
+        let by_compute = source == Source::Pixels;
+        let set = match source {
+            Source::Pixels => targets.all(),
+            Source::Ids => targets.without_visibility(),
         };
         if !set.is_empty() {
             let pipeline = prepared.shading(source, set)?;
-            let group = self.shading_group(prepared, source, visible, &blocks)?;
+            let group = self.shading_group(prepared, source, visible.ids, &blocks)?;
             record_shading(
                 &mut recorder,
                 &group,
@@ -151,6 +139,55 @@ impl VisibilityView {
         Ok(Outcome::Done)
     }
 
+    /// Records the first step alone: the nearest surfel of each pixel, of a list that is not empty.
+    ///
+    /// The raster path writes id, level and depth into those targets that are given, and into textures of its own otherwise;
+    /// the compute path writes none of them.
+    ///
+    /// # Errors
+    /// If the device refuses a resource or a shader.
+    pub fn record_visible(
+        &mut self,
+        prepared: &Prepared,
+        frame: &Frame<'_>,
+        request: &Request<'_>,
+        list: &DrawList,
+        targets: [Option<Target>; 3],
+        recorder: &mut Recorder,
+    ) -> Result<Visible> {
+        let gpu = &prepared.gpu;
+        gpu.write(&self.uniform, 0, request.uniform)?;
+        let features = features_of(request, list);
+        let [_, level, _] = targets;
+        if self.takes_compute(gpu, frame.size_px(), request, list, level.is_some()) {
+            let kernels = compute_kernels(prepared, request, &features)?;
+            self.ready_compute(prepared, frame.size_px())?;
+            let frame = frame.group();
+            let pixels = record_compute(recorder, self, frame, list, &kernels, request.extent)?;
+            return Ok(Visible {
+                source: Source::Pixels,
+                ids: pixels,
+                depths: pixels,
+            });
+        }
+        self.ready_raster(gpu, frame.size_px())?;
+        let pipeline = prepared.raster(&features, level.is_some())?;
+        let group = frame.group();
+        let [ids, depths] =
+            record_raster(recorder, self, prepared, group, list, targets, &pipeline)?;
+        Ok(Visible {
+            source: Source::Ids,
+            ids,
+            depths,
+        })
+    }
+
+    /// The list of large surfels and the arguments of their dispatch, once the compute path has drawn.
+    pub fn large(&self) -> Option<[&Buffer; 2]> {
+        let buffers = self.compute.as_ref()?;
+        Some([&buffers.large, &buffers.arguments])
+    }
+
     /// Whether the compute path draws this frame.
     fn takes_compute(
         &mut self,
@@ -158,7 +195,7 @@ impl VisibilityView {
         size_px: [u32; 2],
         request: &Request<'_>,
         list: &DrawList,
-        targets: &Targets,
+        has_level: bool,
     ) -> bool {
         let wanted = match (request.path, request.auto) {
             (Path::Raster, _) => false,
@@ -172,9 +209,10 @@ impl VisibilityView {
         let limit = gpu
             .limit("max_storage_buffer_binding_size")
             .unwrap_or(128 << 20);
-        let obstacle = if pixel_bytes(size_px) > limit {
+        let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
+        let obstacle = if pixels * request.bytes_per_pixel.max(PIXEL_BYTES) > limit {
             "the picture has more pixels than a storage buffer of this device holds"
-        } else if list.mixes_levels && targets.level().is_some() {
+        } else if list.mixes_levels && has_level {
             "the 'lod' target is asked for, and draws of one block have different levels"
         } else {
             return true;
@@ -251,14 +289,19 @@ impl VisibilityView {
     }
 
     /// Writes the blocks' id ranges; the buffer with them.
-    fn write_blocks(&mut self, gpu: &Gpu, list: &DrawList) -> Result<Buffer> {
+    ///
+    /// # Errors
+    /// If the device refuses the buffer.
+    pub fn write_blocks(&mut self, gpu: &Gpu, list: &DrawList) -> Result<Buffer> {
         let uniforms: Vec<_> = list
             .blocks
             .iter()
-            .map(|block| {
+            .enumerate()
+            .map(|(number, block)| {
                 let mut uniform: BlockUniform = [0; 64];
                 uniform[0] = block.id_base;
                 uniform[1] = block.id_count;
+                uniform[2] = u32::from(number == 0);
                 uniform
             })
             .collect();
@@ -329,6 +372,12 @@ impl VisibilityView {
     }
 }
 
+/// Features of the footprint's module in this frame.
+fn features_of(request: &Request<'_>, list: &DrawList) -> Vec<&'static str> {
+    let direct = list.is_direct.then_some("direct");
+    request.features.iter().copied().chain(direct).collect()
+}
+
 /// The kernels of a frame, in order: one where 64 bits hold depth and id, else one after the other.
 fn compute_kernels(
     prepared: &Prepared,
@@ -353,7 +402,10 @@ fn has_int64(gpu: &Gpu) -> bool {
     gpu.has_feature("shader-int64") && gpu.has_feature("shader-int64-atomic-min-max")
 }
 
-/// Bytes of the compute path's pixels: id and depth.
+/// Bytes of a pixel of the compute path: id and depth.
+const PIXEL_BYTES: u64 = 8;
+
+/// Bytes of the compute path's pixels.
 fn pixel_bytes([width, height]: [u32; 2]) -> u64 {
-    8 * u64::from(width) * u64::from(height)
+    PIXEL_BYTES * u64::from(width) * u64::from(height)
 }

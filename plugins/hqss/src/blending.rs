@@ -1,0 +1,349 @@
+//! One viewport: the sums, and the three passes of a frame.
+
+use crate::passes::Passes;
+use crate::settings::Wanted;
+use pointstage_plugin_api::abi::{
+    self, BindingRecord, BufferUsage, Format, Handle, TextureUsage,
+};
+use pointstage_plugin_api::gpu::{
+    AsHandle as _, BindGroup, BindGroupLayout, Buffer, ColourAttachment, DepthAttachment, Gpu,
+    Recorder, Texture, TextureOptions,
+};
+use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
+use pointstage_visibility::{
+    AutoPath, BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet,
+    Targets, VisibilityView, Visible, record_kernels, record_quads,
+};
+
+/// Bytes of a pixel in each of the two buffers or textures of sums.
+const SUM_BYTES: u64 = 16;
+/// Storage buffers that the kernels bind at once: the columns, pixels, large surfels and two sums.
+const STORAGE_BUFFERS: u64 = 10;
+
+/// Where the attribute pass adds.
+enum Sums {
+    Textures([Texture; 2]),
+    Buffers([Buffer; 2]),
+}
+
+/// Bind groups for what they were made of.
+struct Groups {
+    made_of: Vec<Handle>,
+    shading: BindGroup,
+    /// Group 3 of the attribute kernels, on the compute path.
+    kernels: Option<BindGroup>,
+}
+
+/// A renderer in one viewport.
+pub(crate) struct BlendedView {
+    host: Host,
+    visibility: VisibilityView,
+    sums: Option<([u32; 2], Format, Sums)>,
+    groups: Option<Groups>,
+    has_warned: bool,
+}
+
+impl BlendedView {
+    /// # Errors
+    /// If the device refuses a resource.
+    pub(crate) fn new(host: &Host, passes: &Passes) -> Result<Self> {
+        Ok(Self {
+            host: host.clone(),
+            visibility: VisibilityView::new(host, &passes.visibility)?,
+            sums: None,
+            groups: None,
+            has_warned: false,
+        })
+    }
+
+    /// Draws a frame's selection into the targets that were asked for.
+    ///
+    /// # Errors
+    /// If the device refuses a resource or a shader.
+    pub(crate) fn render(
+        &mut self,
+        passes: &Passes,
+        frame: &mut Frame<'_>,
+        wanted: &Wanted,
+    ) -> Result<Outcome> {
+        let gpu = &passes.visibility.gpu;
+        let list = DrawList::of(frame, None);
+        let targets = Targets::of(frame);
+        if list.draws.is_empty() || targets.all().is_empty() {
+            return Ok(Outcome::Done);
+        }
+        let request = Request {
+            path: self.path(gpu, wanted.path),
+            auto: AutoPath::Raster,
+            features: &wanted.features,
+            extent: Extent::Any,
+            bytes_per_pixel: SUM_BYTES,
+            uniform: bytemuck::bytes_of(&wanted.uniform),
+        };
+        let direct = list.is_direct.then_some("direct");
+        let features: Vec<_> = wanted.features.iter().copied().chain(direct).collect();
+        let mut recorder = Recorder::new();
+        let visible = self.visibility.record_visible(
+            &passes.visibility,
+            frame,
+            &request,
+            &list,
+            [targets.id(), None, None],
+            &mut recorder,
+        )?;
+        let blocks = self.visibility.write_blocks(gpu, &list)?;
+        self.ready_sums(gpu, frame.size_px(), visible.source)?;
+        self.ready_groups(passes, &visible, &blocks)?;
+        self.record_attributes(passes, frame, &list, &visible, &features, &mut recorder)?;
+        let set = match visible.source {
+            Source::Pixels => targets.all(),
+            Source::Ids => targets.without_id(),
+        };
+        if !set.is_empty() {
+            self.record_shading(passes, frame, &list, &targets, set, &features, &mut recorder)?;
+        }
+        frame.submit(recorder);
+        let by_compute = visible.source == Source::Pixels;
+        frame.report(statistics::SURFELS_SELECTED, list.surfel_count as f64);
+        frame.report(statistics::PATH, f64::from(u8::from(by_compute)));
+        Ok(Outcome::Done)
+    }
+
+    /// The path that the device can take: raster needs 32-bit blending, compute enough storage buffers.
+    fn path(&mut self, gpu: &Gpu, wanted: Path) -> Path {
+        let blends = blends(gpu);
+        let binds = gpu.limit("max_storage_buffers_per_shader_stage") >= Some(STORAGE_BUFFERS);
+        let (path, why) = match wanted {
+            Path::Compute if !binds => (
+                Path::Raster,
+                "drawn by the raster path: the device binds too few storage buffers for compute",
+            ),
+            Path::Raster if !blends && binds => (
+                Path::Compute,
+                "drawn by compute: the device cannot blend 32-bit floats, so sums of the raster path would stand still",
+            ),
+            Path::Auto if !binds => (Path::Raster, ""),
+            Path::Auto if !blends => (Path::Compute, ""),
+            path => (path, ""),
+        };
+        self.warn(why);
+        path
+    }
+
+    fn warn(&mut self, why: &str) {
+        if !why.is_empty() && !self.has_warned {
+            self.has_warned = true;
+            self.host.performance_warning(why);
+        }
+    }
+
+    /// Sums of this size, for the path.
+    fn ready_sums(&mut self, gpu: &Gpu, size_px: [u32; 2], source: Source) -> Result<()> {
+        let format = if blends(gpu) {
+            Format::RGBA32_FLOAT
+        } else {
+            Format::RGBA16_FLOAT
+        };
+        let fits = |(size, its, sums): &([u32; 2], Format, Sums)| {
+            let of_path = match sums {
+                Sums::Textures(_) => source == Source::Ids,
+                Sums::Buffers(_) => source == Source::Pixels,
+            };
+            of_path && *size == size_px && *its == format
+        };
+        if self.sums.as_ref().is_some_and(fits) {
+            return Ok(());
+        }
+        // What is too large or too small goes before the new one comes.
+        self.sums = None;
+        self.groups = None;
+        let sums = match source {
+            Source::Ids => {
+                let texture = |label| {
+                    gpu.texture(&TextureOptions {
+                        label,
+                        size: size_px,
+                        layers: 1,
+                        mip_level_count: 1,
+                        format,
+                        usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
+                    })
+                };
+                Sums::Textures([texture("sums of colours")?, texture("sums of normals")?])
+            }
+            Source::Pixels => {
+                let bytes = SUM_BYTES * u64::from(size_px[0]) * u64::from(size_px[1]);
+                let usage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
+                let buffer = |label| gpu.buffer(label, bytes, usage);
+                Sums::Buffers([buffer("sums of colours")?, buffer("sums of normals")?])
+            }
+        };
+        self.sums = Some((size_px, format, sums));
+        Ok(())
+    }
+
+    /// Bind groups of what the frame uses. The view keeps them, since the host replays commands after `render`.
+    fn ready_groups(&mut self, passes: &Passes, visible: &Visible, blocks: &Buffer) -> Result<()> {
+        let Some((_, _, sums)) = &self.sums else {
+            return Err(missing());
+        };
+        let gpu = &passes.visibility.gpu;
+        let (layout, sums, large) = match sums {
+            Sums::Textures(sums) => {
+                let sums = sums.each_ref().map(|sum| sum.as_handle());
+                let seen = [visible.ids, visible.depths];
+                (&passes.textures_layout, [&seen[..], &sums].concat(), None)
+            }
+            Sums::Buffers(sums) => {
+                let sums = sums.each_ref().map(|sum| sum.as_handle());
+                let [large, _] = self.visibility.large().ok_or_else(missing)?;
+                let seen = [visible.ids];
+                let all = [&seen[..], &sums].concat();
+                (&passes.buffers_layout, all, Some(large.as_handle()))
+            }
+        };
+        let made_of: Vec<_> = [blocks.as_handle()]
+            .into_iter()
+            .chain(sums.iter().copied())
+            .chain(large)
+            .collect();
+        if self
+            .groups
+            .as_ref()
+            .is_some_and(|groups| groups.made_of == made_of)
+        {
+            return Ok(());
+        }
+        let block = BindingRecord {
+            binding: 0,
+            resource: blocks.as_handle(),
+            offset: 0,
+            size: u64::from(BLOCK_STRIDE),
+        };
+        let rest = (1..).zip(&sums).map(|(binding, resource)| whole(binding, *resource));
+        let shading = group(gpu, layout, [block].into_iter().chain(rest))?;
+        let kernels = match (large, &sums[..]) {
+            (Some(large), [pixels, colours, normals]) => {
+                let all = [*pixels, large, *colours, *normals];
+                let all = (0..).zip(all).map(|(binding, resource)| whole(binding, resource));
+                Some(group(gpu, &passes.sums_layout, all)?)
+            }
+            _ => None,
+        };
+        self.groups = Some(Groups {
+            made_of,
+            shading,
+            kernels,
+        });
+        Ok(())
+    }
+
+    fn record_attributes(
+        &self,
+        passes: &Passes,
+        frame: &Frame<'_>,
+        list: &DrawList,
+        visible: &Visible,
+        features: &[&'static str],
+        recorder: &mut Recorder,
+    ) -> Result<()> {
+        let (Some((_, format, sums)), Some(groups)) = (&self.sums, &self.groups) else {
+            return Err(missing());
+        };
+        let footprint = &self.visibility.footprint_group;
+        match sums {
+            Sums::Textures(sums) => {
+                let pipeline = passes.raster(features, *format)?;
+                let cleared = sums
+                    .each_ref()
+                    .map(|sum| Some(ColourAttachment::clear(sum, [0.0; 4])));
+                let depth = DepthAttachment::read_only(&visible.depths);
+                let mut pass = recorder.render_pass("attributes", &cleared, Some(depth));
+                pass.set_pipeline(&pipeline);
+                record_quads(&mut pass, &passes.visibility, frame.group(), footprint, list);
+            }
+            Sums::Buffers(sums) => {
+                let kernels = passes.compute(features)?;
+                sums.iter().for_each(|sum| recorder.clear_buffer(sum));
+                let groups = KernelGroups {
+                    frame: frame.group(),
+                    footprint,
+                    pixels: groups.kernels.as_ref().ok_or_else(missing)?,
+                    large: self.visibility.large(),
+                };
+                record_kernels(recorder, "attributes", &kernels, list, &groups);
+            }
+        }
+        Ok(())
+    }
+
+    /// Each block lights its own pixels, and the first those at outlines.
+    #[expect(clippy::too_many_arguments, reason = "each is a thing of its own")]
+    fn record_shading(
+        &self,
+        passes: &Passes,
+        frame: &Frame<'_>,
+        list: &DrawList,
+        targets: &Targets,
+        set: TargetSet,
+        features: &[&'static str],
+        recorder: &mut Recorder,
+    ) -> Result<()> {
+        let (Some((_, _, sums)), Some(groups)) = (&self.sums, &self.groups) else {
+            return Err(missing());
+        };
+        let source = match sums {
+            Sums::Textures(_) => Source::Ids,
+            Sums::Buffers(_) => Source::Pixels,
+        };
+        let pipeline = passes.shading(source, set, features)?;
+        let colours: Vec<_> = targets
+            .attachments(set)
+            .map(|target| Some(ColourAttachment::load(&target.texture)))
+            .collect();
+        let depth = targets.depth.filter(|_| set.has_depth());
+        let depth = depth.map(|target| DepthAttachment::load(&target.texture));
+        let mut pass = recorder.render_pass("shading", &colours, depth);
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(2, &self.visibility.footprint_group, &[]);
+        for (block, offset) in list.blocks.iter().zip((0..).step_by(BLOCK_STRIDE as usize)) {
+            pass.set_bind_group(0, &frame.group(), &[block.uniform_offset]);
+            pass.set_bind_group(1, &block.columns, &[]);
+            pass.set_bind_group(3, &groups.shading, &[offset]);
+            pass.draw(0..3, 0..1);
+        }
+        Ok(())
+    }
+}
+
+/// Whether the raster path can add up in 32-bit floats.
+fn blends(gpu: &Gpu) -> bool {
+    gpu.has_feature("float32-blendable")
+}
+
+/// All of a resource.
+fn whole(binding: u32, resource: Handle) -> BindingRecord {
+    BindingRecord {
+        binding,
+        resource,
+        ..Default::default()
+    }
+}
+
+fn group(
+    gpu: &Gpu,
+    layout: &BindGroupLayout,
+    entries: impl Iterator<Item = BindingRecord>,
+) -> Result<BindGroup> {
+    let entries: Vec<_> = entries.collect();
+    gpu.bind_group_from(&abi::BindGroupDescriptor {
+        label: "sums".into(),
+        layout: layout.handle(),
+        entries: entries.as_slice().into(),
+    })
+}
+
+/// The view readies its buffers before it records; not reached.
+fn missing() -> Error {
+    Error::failed("the view's buffers were not made before recording")
+}

@@ -1,0 +1,55 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod blending;
+mod passes;
+mod settings;
+
+use crate::blending::BlendedView;
+use crate::passes::Passes;
+use crate::settings::request_of;
+use pointstage_plugin_api::prelude::*;
+
+/// The renderer, prepared. Nothing in it depends on the scene.
+pub struct Hqss {
+    passes: Passes,
+}
+
+/// The renderer in one viewport.
+pub struct HqssView {
+    blended: BlendedView,
+}
+
+impl Renderer for Hqss {
+    type View = HqssView;
+
+    fn prepare(
+        host: &Host,
+        _scene: Scene<'_>,
+        _previous: Option<(&Self, Changes<'_>)>,
+        _settings: Settings<'_>,
+        _progress: &Progress<'_>,
+    ) -> Result<Self> {
+        Ok(Self {
+            passes: Passes::new(host.gpu()?)?,
+        })
+    }
+
+    fn view(&self, host: &Host) -> Result<Self::View> {
+        Ok(HqssView {
+            blended: BlendedView::new(host, &self.passes)?,
+        })
+    }
+}
+
+impl View<Hqss> for HqssView {
+    fn render(&mut self, prepared: &Hqss, frame: &mut Frame<'_>) -> Result<Outcome> {
+        let request = request_of(frame.settings())?;
+        self.blended.render(&prepared.passes, frame, &request)
+    }
+}
+
+pointstage_plugin_api::export! { "plugin.json", renderers: [Hqss] }
+
+#[cfg(test)]
+mod shader_tests;

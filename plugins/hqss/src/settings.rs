@@ -1,0 +1,83 @@
+//! The settings, as the shaders read them.
+
+use bytemuck::{Pod, Zeroable};
+use pointstage_plugin_api::{Result, Settings};
+use pointstage_visibility::Path;
+
+/// `SplatUniform` of `shaders/hqss/splat.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct SplatUniform {
+    pub(crate) scale: f32,
+    pub(crate) cutoff: f32,
+    pub(crate) falloff: f32,
+    pub(crate) push: f32,
+    pub(crate) filter_px: f32,
+    pub(crate) shading: u32,
+    pub(crate) shows: u32,
+    pub(crate) two_sided: u32,
+    pub(crate) bands: f32,
+    pub(crate) outline: f32,
+}
+
+/// How the user wants a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wanted {
+    pub(crate) uniform: SplatUniform,
+    /// Of the footprint's module.
+    pub(crate) features: Vec<&'static str>,
+    pub(crate) path: Path,
+}
+
+/// The values of the schema.
+///
+/// # Errors
+/// If the host has no value for a setting.
+pub(crate) fn request_of(settings: Settings<'_>) -> Result<Wanted> {
+    let sigma = settings.float("sigma")?;
+    let mut features = Vec::new();
+    features.extend(settings.bool("cull_backs")?.then_some("cull_backs"));
+    features.extend(settings.bool("filter")?.then_some("low_pass"));
+    Ok(Wanted {
+        uniform: SplatUniform {
+            scale: settings.float("splat_scale")?,
+            cutoff: settings.float("cutoff")?,
+            falloff: falloff(sigma),
+            push: settings.float("epsilon")?,
+            filter_px: settings.float("filter_radius")?,
+            shading: match settings.choice("shading")? {
+                "flat" => 1,
+                "toon" => 2,
+                _ => 0,
+            },
+            shows: match settings.choice("shows")? {
+                "colours" => 1,
+                "normals" => 2,
+                "weight" => 3,
+                "depth" => 4,
+                _ => 0,
+            },
+            two_sided: settings.bool("two_sided")?.into(),
+            bands: settings.int("bands")? as f32,
+            outline: settings.float("outline")?,
+        },
+        features,
+        path: Path::from_id(settings.choice("path")?),
+    })
+}
+
+/// The factor f of the Gaussian exp(-f·d²) with this standard deviation.
+fn falloff(sigma: f32) -> f32 {
+    0.5 / (sigma * sigma)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_usual_gaussian_ends_at_a_weight_of_exp_of_minus_two() {
+        let at_the_edge = (-falloff(0.5)).exp();
+        assert!((at_the_edge - (-2.0_f32).exp()).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,55 @@
+//! The shaders: all variants validate, the uniform has its layout; and the manifest fits the code.
+
+#[path = "../../visibility/src/shader_checks.rs"]
+mod shader_checks;
+
+use crate::passes::{SPLAT, link_compute, link_raster, link_shading};
+use crate::settings::SplatUniform;
+use core::mem::offset_of;
+use pointstage_visibility::{Source, TargetSet, linked_variants};
+use shader_checks::{assert_manifest, assert_variants, validated};
+
+const FEATURES: [&[&str]; 3] = [&[], &["low_pass"], &["low_pass", "cull_backs", "direct"]];
+
+#[test]
+fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
+    let fields = [
+        ("scale", offset_of!(SplatUniform, scale)),
+        ("cutoff", offset_of!(SplatUniform, cutoff)),
+        ("falloff", offset_of!(SplatUniform, falloff)),
+        ("push", offset_of!(SplatUniform, push)),
+        ("filter_px", offset_of!(SplatUniform, filter_px)),
+        ("shading", offset_of!(SplatUniform, shading)),
+        ("shows", offset_of!(SplatUniform, shows)),
+        ("two_sided", offset_of!(SplatUniform, two_sided)),
+        ("bands", offset_of!(SplatUniform, bands)),
+        ("outline", offset_of!(SplatUniform, outline)),
+    ];
+    for features in FEATURES {
+        let variants = linked_variants(&SPLAT, features).unwrap();
+        let uniform = "footprint_shape_SplatUniform";
+        assert_variants(variants, uniform, &fields, SPLAT.uniform_size);
+    }
+}
+
+#[test]
+fn the_attribute_and_shading_passes_validate() {
+    for features in FEATURES {
+        validated("attributes, raster", &link_raster(features).unwrap());
+        for wide in [&[][..], &["wide"]] {
+            let features = [features, wide].concat();
+            validated("attributes, compute", &link_compute(&features).unwrap());
+        }
+        for set in TargetSet::each().step_by(7) {
+            for source in [Source::Ids, Source::Pixels] {
+                let wgsl = link_shading(source, set, features).unwrap();
+                validated(&format!("shading {set:?} {source:?}"), &wgsl);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_manifest_is_valid() {
+    assert_manifest(include_bytes!("../plugin.json"), "hqss");
+}
