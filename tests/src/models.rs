@@ -42,8 +42,14 @@ pub struct Surfel {
 
 /// An object of these surfels, coloured by normal.
 pub fn object(name: &str, surfels: &[Surfel]) -> Object {
+    coloured(name, surfels, |surfel| surfel.normal.abs())
+}
+
+/// An object of these surfels with colours of your own: linear RGB, 0..1.
+pub fn coloured(name: &str, surfels: &[Surfel], colour: impl FnMut(&Surfel) -> Vec3) -> Object {
     let place = |surfel: &Surfel| surfel.centre.extend(surfel.radius).to_array();
-    let colour = |surfel: &Surfel| encode_colour(Vec4::from((surfel.normal.abs(), 1.0)));
+    let mut linear = colour;
+    let colour = |surfel: &Surfel| encode_colour(Vec4::from((linear(surfel), 1.0)));
     let axes: Option<Vec<_>> = surfels
         .iter()
         .map(|surfel| surfel.axes.map(|axes| axes.0))

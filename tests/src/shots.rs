@@ -1,4 +1,4 @@
-//! What `points` and `surfel` draw of scenes in memory, target by target: one stage, one size, two paths.
+//! What the first-party renderers draw of scenes in memory, target by target: one stage, one size, two paths.
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -19,13 +19,13 @@ pub const PATHS: [(&str, f64); 2] = [("raster", 0.0), ("compute", 1.0)];
 /// A setting's id and value.
 pub type Setting = (&'static str, SettingValue);
 
-/// The stage that all tests of a file share, with both renderers; none where there is no device.
+/// The stage that all tests of a file share, with all renderers; none where there is no device.
 ///
 /// # Panics
 /// When the plugins were not built.
 pub fn stage() -> Option<MutexGuard<'static, Stage>> {
     static STAGE: OnceLock<Mutex<Stage>> = OnceLock::new();
-    let open = || Mutex::new(stages::stage(&["points", "surfel"]).expect("a stage"));
+    let open = || Mutex::new(stages::stage(&["points", "surfel", "hqss"]).expect("a stage"));
     let stage = STAGE.get_or_init(open);
     let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(why) = stage.no_device() {

@@ -78,6 +78,35 @@ fn both_paths_of_surfel_agree() {
     assert!(db >= 45.0, "{db:.1} dB");
 }
 
+#[test]
+fn both_paths_of_hqss_agree() {
+    let Some(mut stage) = stage() else { return };
+    let variants: [&[Setting]; 6] = [
+        &[],
+        &[("filter", SettingValue::Bool(false))],
+        &[
+            ("shading", choice("flat")),
+            ("cull_backs", SettingValue::Bool(true)),
+        ],
+        &[("shading", choice("toon"))],
+        &[("shows", choice("normals"))],
+        &[
+            ("shows", choice("weight")),
+            ("two_sided", SettingValue::Bool(true)),
+        ],
+    ];
+    for settings in variants {
+        let [raster, compute] = draw_balls(&mut stage, "hqss", settings);
+        let covered = uints(&raster, "kind")
+            .iter()
+            .filter(|kind| **kind != 0)
+            .count();
+        assert!(covered > 10_000, "{covered} pixels, {settings:?}");
+        let db = psnr(&raster, &compute);
+        assert!(db >= 50.0, "{db:.1} dB, {settings:?}");
+    }
+}
+
 /// Whether a pixel within `reach` of `place` in both directions shows something.
 fn shows_near(kind: &[u32], place: u32, reach: i64) -> bool {
     let [width, height] = SIZE_PX.map(i64::from);

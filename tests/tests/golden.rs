@@ -68,6 +68,11 @@ fn round_points_of_the_surfels_size_draw_as_before() -> Result<()> {
 }
 
 #[test]
+fn blended_splats_draw_as_before() -> Result<()> {
+    check("hqss", "hqss", &[])
+}
+
+#[test]
 fn disks_draw_as_before() -> Result<()> {
     check("surfel", "surfel", &[])
 }

@@ -2,9 +2,7 @@
 
 use crate::passes::Passes;
 use crate::settings::Wanted;
-use pointstage_plugin_api::abi::{
-    self, BindingRecord, BufferUsage, Format, Handle, TextureUsage,
-};
+use pointstage_plugin_api::abi::{self, BindingRecord, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::gpu::{
     AsHandle as _, BindGroup, BindGroupLayout, Buffer, ColourAttachment, DepthAttachment, Gpu,
     Recorder, Texture, TextureOptions,
@@ -100,7 +98,15 @@ impl BlendedView {
             Source::Ids => targets.without_id(),
         };
         if !set.is_empty() {
-            self.record_shading(passes, frame, &list, &targets, set, &features, &mut recorder)?;
+            self.record_shading(
+                passes,
+                frame,
+                &list,
+                &targets,
+                set,
+                &features,
+                &mut recorder,
+            )?;
         }
         frame.submit(recorder);
         let by_compute = visible.source == Source::Pixels;
@@ -220,12 +226,16 @@ impl BlendedView {
             offset: 0,
             size: u64::from(BLOCK_STRIDE),
         };
-        let rest = (1..).zip(&sums).map(|(binding, resource)| whole(binding, *resource));
+        let rest = (1..)
+            .zip(&sums)
+            .map(|(binding, resource)| whole(binding, *resource));
         let shading = group(gpu, layout, [block].into_iter().chain(rest))?;
         let kernels = match (large, &sums[..]) {
             (Some(large), [pixels, colours, normals]) => {
                 let all = [*pixels, large, *colours, *normals];
-                let all = (0..).zip(all).map(|(binding, resource)| whole(binding, resource));
+                let all = (0..)
+                    .zip(all)
+                    .map(|(binding, resource)| whole(binding, resource));
                 Some(group(gpu, &passes.sums_layout, all)?)
             }
             _ => None,
@@ -260,7 +270,13 @@ impl BlendedView {
                 let depth = DepthAttachment::read_only(&visible.depths);
                 let mut pass = recorder.render_pass("attributes", &cleared, Some(depth));
                 pass.set_pipeline(&pipeline);
-                record_quads(&mut pass, &passes.visibility, frame.group(), footprint, list);
+                record_quads(
+                    &mut pass,
+                    &passes.visibility,
+                    frame.group(),
+                    footprint,
+                    list,
+                );
             }
             Sums::Buffers(sums) => {
                 let kernels = passes.compute(features)?;

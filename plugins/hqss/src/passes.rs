@@ -114,24 +114,22 @@ impl Passes {
                     blend: Some(blend),
                 })
             };
-            self.visibility
-                .gpu
-                .render_pipeline(&RenderPipelineOptions {
-                    layouts: &[
-                        &self.visibility.frame_layout,
-                        &self.visibility.columns_layout,
-                        &self.visibility.footprint_layout,
-                    ],
-                    vertex: "attributes_pass_vertex",
-                    fragment: Some("attributes_pass_fragment"),
-                    depth: Some(DepthTest {
-                        writes: false,
-                        compare: Compare::GREATER_EQUAL,
-                        ..DepthTest::NEARER
-                    }),
-                    targets: &[target(Blend::ADD), target(NORMAL_SUMS)],
-                    ..RenderPipelineOptions::new("attribute pass", &shader)
-                })
+            self.visibility.gpu.render_pipeline(&RenderPipelineOptions {
+                layouts: &[
+                    &self.visibility.frame_layout,
+                    &self.visibility.columns_layout,
+                    &self.visibility.footprint_layout,
+                ],
+                vertex: "attributes_pass_vertex",
+                fragment: Some("attributes_pass_fragment"),
+                depth: Some(DepthTest {
+                    writes: false,
+                    compare: Compare::GREATER_EQUAL,
+                    ..DepthTest::NEARER
+                }),
+                targets: &[target(Blend::ADD), target(NORMAL_SUMS)],
+                ..RenderPipelineOptions::new("attribute pass", &shader)
+            })
         })
     }
 
@@ -195,21 +193,19 @@ impl Passes {
                 compare: Compare::ALWAYS,
                 ..DepthTest::NEARER
             };
-            self.visibility
-                .gpu
-                .render_pipeline(&RenderPipelineOptions {
-                    layouts: &[
-                        &self.visibility.frame_layout,
-                        &self.visibility.columns_layout,
-                        &self.visibility.footprint_layout,
-                        sums,
-                    ],
-                    vertex: "blended_shading_vertex",
-                    fragment: Some("blended_shading_fragment"),
-                    depth: set.has_depth().then_some(depth),
-                    targets: &targets,
-                    ..RenderPipelineOptions::new("shading pass", &shader)
-                })
+            self.visibility.gpu.render_pipeline(&RenderPipelineOptions {
+                layouts: &[
+                    &self.visibility.frame_layout,
+                    &self.visibility.columns_layout,
+                    &self.visibility.footprint_layout,
+                    sums,
+                ],
+                vertex: "blended_shading_vertex",
+                fragment: Some("blended_shading_fragment"),
+                depth: set.has_depth().then_some(depth),
+                targets: &targets,
+                ..RenderPipelineOptions::new("shading pass", &shader)
+            })
         })
     }
 

@@ -35,4 +35,4 @@ pub use record::{KernelGroups, record_kernels, record_quads};
 pub use rectangle::PixelRectangle;
 pub use request::{AutoPath, Extent, Path, Request};
 pub use targets::{TargetSet, Targets};
-pub use view::{BLOCK_STRIDE, Visible, VisibilityView};
+pub use view::{BLOCK_STRIDE, VisibilityView, Visible};

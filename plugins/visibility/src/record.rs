@@ -8,8 +8,8 @@ use crate::view::{BLOCK_STRIDE, VisibilityView};
 use pointstage_plugin_api::abi::Handle;
 use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
 use pointstage_plugin_api::gpu::{
-    AsHandle, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef, Recorder,
-    RenderPass, RenderPipeline,
+    AsHandle, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef,
+    Recorder, RenderPass, RenderPipeline,
 };
 use pointstage_plugin_api::{Error, Result, Target};
 
@@ -48,7 +48,13 @@ pub(crate) fn record_raster(
 
     let mut pass = recorder.render_pass("visibility", &colours, Some(depth_attachment));
     pass.set_pipeline(pipeline);
-    record_quads(&mut pass, prepared, frame_group, &view.footprint_group, list);
+    record_quads(
+        &mut pass,
+        prepared,
+        frame_group,
+        &view.footprint_group,
+        list,
+    );
     Ok([ids, depths])
 }
 

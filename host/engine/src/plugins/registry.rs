@@ -11,7 +11,7 @@ use super::log_book::LogBook;
 use super::names::{UnknownPlugin, find};
 use super::probe::{Examination, check_file, try_plugin};
 use super::verdict::{Verdict, VerdictClass};
-use pointstage_plugin_api::manifest::PluginEntry;
+use pointstage_plugin_api::manifest::{Needs, PluginEntry};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -98,7 +98,11 @@ impl Registry {
         // A copy of a library that was found before adds nothing but doubt about which one is meant.
         let mut seen = std::collections::BTreeSet::new();
         files.retain(|file| file.named || file.hash.is_empty() || seen.insert(file.hash.clone()));
-        let (renderers, structures) = (list(&files, "renderer"), list(&files, "structure"));
+        let (mut renderers, structures) = (list(&files, "renderer"), list(&files, "structure"));
+        renderers.sort_by_key(|info| {
+            let is_named = files.iter().any(|file| file.named && file.path == info.path);
+            (!is_named, demands(&info.entry.needs))
+        });
         Self {
             files,
             renderers,
@@ -117,7 +121,8 @@ impl Registry {
         &self.files
     }
 
-    /// The renderers that may be used; named files first, then in the order of the folders.
+    /// The renderers that may be used: those of named files first, then from what needs least of a scene to what needs most,
+    /// else in the order of the folders.
     pub fn renderers(&self) -> Vec<Arc<PluginInfo>> {
         self.renderers.clone()
     }
@@ -337,6 +342,18 @@ fn list(files: &[PluginFile], kind: &str) -> Vec<Arc<PluginInfo>> {
             })
     });
     entries.collect()
+}
+
+/// How many things of a scene a renderer cannot do without.
+fn demands(needs: &Needs) -> usize {
+    let columns = [
+        needs.normals,
+        needs.radii,
+        needs.axes,
+        needs.colours,
+        needs.mesh,
+    ];
+    columns.into_iter().map(usize::from).sum::<usize>() + needs.columns.len()
 }
 
 #[cfg(test)]
