@@ -1,8 +1,9 @@
-//! How fast `points` and `surfel` draw a scan through the whole engine, beside VTK's mappers on the same machine.
+//! How fast `points`, `surfel` and `hqss` draw a scan through the whole engine, beside VTK's mappers on the same machine.
 //!
 //! ```text
 //! cargo xtask bench draw                                  the brain of the shared test data folder
 //! cargo xtask bench draw -- FILE.ply                      another file
+//! cargo xtask bench draw -- 10000000                      a sphere of so many surfels
 //! cargo xtask bench draw -- surfel                        the cases whose names contain a word
 //! POINTSTAGE_PEERS_PYTHON=venv/bin/python cargo xtask …   beside VTK, which runs on a virtual display
 //! ```
@@ -26,7 +27,7 @@ use anyhow::{Context as _, Result, ensure};
 use glam::DQuat;
 use pointstage_engine::stage::{FrameRequest, FrameStats, SettingValue, Stage};
 use pointstage_scene::{Camera, Job, LoadOptions, Scene, load, orbit_cameras};
-use pointstage_tests::{data, program, stages};
+use pointstage_tests::{data, program, scenes, stages};
 
 const SIZE_PX: [u32; 2] = [800, 580];
 /// Turn of the camera from frame to frame.
@@ -117,6 +118,27 @@ const CASES: &[Case] = &[
         read_back: &[],
         mapper: None,
     },
+    Case {
+        name: "hqss",
+        renderer: "hqss",
+        settings: &[],
+        read_back: &[],
+        mapper: Some("points"),
+    },
+    Case {
+        name: "hqss, all targets",
+        renderer: "hqss",
+        settings: &[],
+        read_back: ALL_TARGETS,
+        mapper: None,
+    },
+    Case {
+        name: "hqss, raster",
+        renderer: "hqss",
+        settings: &[("path", Value::Choice("raster"))],
+        read_back: &[],
+        mapper: None,
+    },
 ];
 
 fn main() -> Result<()> {
@@ -125,11 +147,23 @@ fn main() -> Result<()> {
     let (files, words): (Vec<String>, Vec<String>) = arguments
         .filter(|argument| !argument.starts_with('-'))
         .partition(|argument| Path::new(argument).extension().is_some());
+    let (counts, words): (Vec<String>, Vec<String>) = words
+        .into_iter()
+        .partition(|word| word.parse::<u32>().is_ok());
     let cases: Vec<&Case> = CASES
         .iter()
         .filter(|case| words.iter().all(|word| case.name.contains(word.as_str())))
         .collect();
-    let files: Vec<PathBuf> = if files.is_empty() {
+    let folder = tempfile::tempdir()?;
+    let spheres = counts.iter().filter_map(|count| count.parse().ok());
+    let spheres = spheres.map(|count: u32| {
+        let sphere = scenes::sphere(count, 1.0);
+        scenes::write(folder.path(), &format!("sphere_{count}"), &sphere)
+    });
+    let spheres: Vec<PathBuf> = spheres.collect::<Result<_>>()?;
+    let files: Vec<PathBuf> = if !spheres.is_empty() {
+        spheres
+    } else if files.is_empty() {
         let Some(brain) = data::shared("mesh/brain_ch2better_1092k_le.ply") else {
             return Ok(());
         };
@@ -144,7 +178,7 @@ fn main() -> Result<()> {
 fn compare(file: &Path, cases: &[&Case]) -> Result<()> {
     let scene = scene_of(file)?;
     let surfel_count = scene.surfel_count();
-    let mut stage = stages::stage(&["points", "surfel"])?;
+    let mut stage = stages::stage(&["points", "surfel", "hqss"])?;
     let mut ours: Vec<Vec<FrameStats>> = cases.iter().map(|_| Vec::new()).collect();
     let mut peer: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut peer_name = None;

@@ -167,7 +167,9 @@ fn holes(result: &FrameResult) -> usize {
         x == 0 || y == 0 || x + 1 == width || y + 1 == height
     });
     let mut next: VecDeque<usize> = edge.filter(|place| is_open(*place)).collect();
-    next.iter().for_each(|place| is_reached[*place] = true);
+    for place in &next {
+        is_reached[*place] = true;
+    }
     while let Some(place) = next.pop_front() {
         let (x, y) = (place % width, place / width);
         let beside = [

@@ -4,8 +4,8 @@ use crate::passes::Passes;
 use crate::settings::Wanted;
 use pointstage_plugin_api::abi::{self, BindingRecord, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, BindGroupLayout, Buffer, ColourAttachment, DepthAttachment, Gpu,
-    Recorder, Texture, TextureOptions,
+    AsHandle, BindGroup, BindGroupLayout, Buffer, ColourAttachment, DepthAttachment, Gpu, Recorder,
+    Texture, TextureOptions,
 };
 use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{
@@ -196,12 +196,12 @@ impl BlendedView {
         let gpu = &passes.visibility.gpu;
         let (layout, sums, large) = match sums {
             Sums::Textures(sums) => {
-                let sums = sums.each_ref().map(|sum| sum.as_handle());
+                let sums = sums.each_ref().map(AsHandle::as_handle);
                 let seen = [visible.ids, visible.depths];
                 (&passes.textures_layout, [&seen[..], &sums].concat(), None)
             }
             Sums::Buffers(sums) => {
-                let sums = sums.each_ref().map(|sum| sum.as_handle());
+                let sums = sums.each_ref().map(AsHandle::as_handle);
                 let [large, _] = self.visibility.large().ok_or_else(missing)?;
                 let seen = [visible.ids];
                 let all = [&seen[..], &sums].concat();
@@ -280,7 +280,9 @@ impl BlendedView {
             }
             Sums::Buffers(sums) => {
                 let kernels = passes.compute(features)?;
-                sums.iter().for_each(|sum| recorder.clear_buffer(sum));
+                for sum in sums {
+                    recorder.clear_buffer(sum);
+                }
                 let groups = KernelGroups {
                     frame: frame.group(),
                     footprint,

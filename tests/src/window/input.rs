@@ -42,14 +42,14 @@ pub(super) fn glide(
     glide_in(connection, root, from, to, Duration::ZERO)
 }
 
-/// Moves the pointer in a straight line, about as fast as a hand does.
+/// Moves the pointer in a straight line, so that a window on a busy machine sees it move in several passes.
 pub(super) fn glide_slowly(
     connection: &RustConnection,
     root: Window,
     from: (i16, i16),
     to: (i16, i16),
 ) -> Result<()> {
-    glide_in(connection, root, from, to, Duration::from_millis(30))
+    glide_in(connection, root, from, to, Duration::from_millis(80))
 }
 
 fn glide_in(

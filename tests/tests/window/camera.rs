@@ -105,14 +105,15 @@ fn with_inertia_the_camera_glides_on_when_the_button_is_up() -> Result<()> {
     let Some(mut desk) = Desk::with_sphere()? else {
         return Ok(());
     };
-    let released = view(&desk.window.throw(MIDDLE, ASIDE)?);
+    let (from, to) = ((120, 220), (620, 480));
+    let released = view(&desk.window.throw(from, to)?);
     assert_eq!(view(&at_rest(&mut desk)?), released, "without inertia");
     desk.window.click_on("Tab", "View")?;
     desk.scroll_settings_to("CheckBox", "Inertia")?;
     desk.window.click_on("CheckBox", "Inertia")?;
     // A slow machine may take a whole throw for one movement, which has no speed.
     for _ in 0..10 {
-        let released = view(&desk.window.throw(MIDDLE, ASIDE)?);
+        let released = view(&desk.window.throw(from, to)?);
         if view(&at_rest(&mut desk)?) != released {
             return desk.close();
         }

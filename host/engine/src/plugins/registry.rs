@@ -100,7 +100,9 @@ impl Registry {
         files.retain(|file| file.named || file.hash.is_empty() || seen.insert(file.hash.clone()));
         let (mut renderers, structures) = (list(&files, "renderer"), list(&files, "structure"));
         renderers.sort_by_key(|info| {
-            let is_named = files.iter().any(|file| file.named && file.path == info.path);
+            let is_named = files
+                .iter()
+                .any(|file| file.named && file.path == info.path);
             (!is_named, demands(&info.entry.needs))
         });
         Self {
