@@ -112,6 +112,13 @@ const CASES: &[Case] = &[
         mapper: Some("gaussian"),
     },
     Case {
+        name: "surfel, compute",
+        renderer: "surfel",
+        settings: &[("path", Value::Choice("compute"))],
+        read_back: &[],
+        mapper: None,
+    },
+    Case {
         name: "surfel, raster",
         renderer: "surfel",
         settings: &[("path", Value::Choice("raster"))],
@@ -130,6 +137,13 @@ const CASES: &[Case] = &[
         renderer: "hqss",
         settings: &[],
         read_back: ALL_TARGETS,
+        mapper: None,
+    },
+    Case {
+        name: "hqss, compute",
+        renderer: "hqss",
+        settings: &[("path", Value::Choice("compute"))],
+        read_back: &[],
         mapper: None,
     },
     Case {

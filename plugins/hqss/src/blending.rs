@@ -9,8 +9,8 @@ use pointstage_plugin_api::gpu::{
 };
 use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{
-    AutoPath, BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet,
-    Targets, VisibilityView, Visible, record_kernels, record_quads,
+    BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet, Targets,
+    VisibilityView, Visible, record_kernels, record_quads,
 };
 
 /// Bytes of a pixel in each of the two buffers or textures of sums.
@@ -72,7 +72,6 @@ impl BlendedView {
         }
         let request = Request {
             path: self.path(gpu, wanted.path),
-            auto: AutoPath::Raster,
             features: &wanted.features,
             extent: Extent::Any,
             bytes_per_pixel: SUM_BYTES,

@@ -4,7 +4,7 @@
 mod settings;
 
 use pointstage_plugin_api::prelude::*;
-use pointstage_visibility::{AutoPath, Footprint, Prepared, Request, Varying, VisibilityView};
+use pointstage_visibility::{Footprint, Prepared, Request, Varying, VisibilityView};
 use settings::{PointSettings, SpriteUniform};
 
 /// The sprite's footprint, `shaders/points/sprite.wesl`.
@@ -54,7 +54,6 @@ impl View<Points> for PointsView {
         let uniform = SpriteUniform::from(&settings);
         let request = Request {
             path: settings.path,
-            auto: AutoPath::ComputeWithInt64,
             features: &settings.features(),
             extent: settings.extent(),
             bytes_per_pixel: 0,

@@ -3,9 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use pointstage_plugin_api::prelude::*;
-use pointstage_visibility::{
-    AutoPath, Extent, Footprint, Path, Prepared, Request, Varying, VisibilityView,
-};
+use pointstage_visibility::{Extent, Footprint, Path, Prepared, Request, Varying, VisibilityView};
 
 /// The disk's footprint, `shaders/surfel/disk.wesl`.
 pub const DISK: Footprint = Footprint {
@@ -62,7 +60,6 @@ impl View<Surfel> for SurfelView {
         };
         let request = Request {
             path: Path::from_id(settings.choice("path")?),
-            auto: AutoPath::Raster,
             features: if settings.bool("cull_backs")? {
                 &["cull_backs"]
             } else {

@@ -33,6 +33,6 @@ pub use pipelines::{
 };
 pub use record::{KernelGroups, record_kernels, record_quads};
 pub use rectangle::PixelRectangle;
-pub use request::{AutoPath, Extent, Path, Request};
+pub use request::{Extent, Path, Request};
 pub use targets::{TargetSet, Targets};
 pub use view::{BLOCK_STRIDE, VisibilityView, Visible};

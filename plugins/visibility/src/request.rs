@@ -3,7 +3,10 @@
 /// Which way the user wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
-    /// The faster one for the device, by [`AutoPath`].
+    /// The faster one for the device: compute on software devices and where one 64-bit maximum holds depth and id.
+    ///
+    /// Measured: on Mesa's lavapipe compute is several times faster for splats of any size. On an NVIDIA H100 it is as fast
+    /// as raster for 3,000 disks that fill the view, and 16 times as fast for 10 million (`hqss`: 59 times).
     Auto,
     /// The raster pipeline.
     Raster,
@@ -20,16 +23,6 @@ impl Path {
             _ => Self::Auto,
         }
     }
-}
-
-/// What [`Path::Auto`] takes: compute on software devices always (measured on lavapipe: several times faster), and on
-/// others as this says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AutoPath {
-    /// Compute where one 64-bit maximum does it, for splats of few pixels.
-    ComputeWithInt64,
-    /// Raster, for splats of many pixels.
-    Raster,
 }
 
 /// How large the splats of a frame are; what is known spares work.
@@ -82,8 +75,6 @@ impl Extent {
 pub struct Request<'a> {
     /// Raster or compute.
     pub path: Path,
-    /// What `Auto` means for this renderer.
-    pub auto: AutoPath,
     /// Features of the footprint's module.
     pub features: &'a [&'static str],
     /// How large the splats are.

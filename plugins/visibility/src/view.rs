@@ -3,7 +3,7 @@
 use crate::draws::DrawList;
 use crate::pipelines::{Kernel, Kernels, Prepared, Source};
 use crate::record::{record_compute, record_raster, record_shading};
-use crate::request::{AutoPath, Path, Request};
+use crate::request::{Path, Request};
 use crate::targets::Targets;
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::gpu::{
@@ -197,11 +197,10 @@ impl VisibilityView {
         list: &DrawList,
         has_level: bool,
     ) -> bool {
-        let wanted = match (request.path, request.auto) {
-            (Path::Raster, _) => false,
-            (Path::Compute, _) => true,
-            (Path::Auto, AutoPath::ComputeWithInt64) => gpu.is_software() || has_int64(gpu),
-            (Path::Auto, AutoPath::Raster) => gpu.is_software(),
+        let wanted = match request.path {
+            Path::Raster => false,
+            Path::Compute => true,
+            Path::Auto => gpu.is_software() || has_int64(gpu),
         };
         if !wanted {
             return false;
