@@ -2,7 +2,7 @@
 //!
 //! [`mod@gestures`] turns what the pointer and the keyboard do over the picture into [`CameraMove`]s; [`moves`] carries one out on
 //! a camera; the [`Navigator`] remembers what goes on by itself: a [flight](super::flight) to another view, and the [`glide`]
-//! after a drag that was let go of in motion. [`options`] are the user's habits.
+//! after a drag that was let go of in motion, as fast as the [`trail`] of the pointer was. [`options`] are the user's habits.
 
 mod axes;
 mod fly;
