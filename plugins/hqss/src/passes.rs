@@ -3,8 +3,8 @@
 use crate::settings::SplatUniform;
 use pointstage_plugin_api::abi::{BlendFactor, BlendOperation, Compare, Format, ShaderStages};
 use pointstage_plugin_api::gpu::{
-    BindGroupLayout, Binding, Blend, ColourTarget, ComputePipelineOptions, DepthTest, Gpu,
-    RenderPipeline, RenderPipelineOptions, Shader,
+    BindGroupLayout, Binding, Blend, ColourTarget, DepthTest, Gpu, RenderPipeline,
+    RenderPipelineOptions, Shader,
 };
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
 use pointstage_plugin_api::{Error, Result};
@@ -140,28 +140,8 @@ impl Passes {
             let features: Vec<_> = features.iter().copied().chain(wide).collect();
             let wgsl = link_compute(&features).map_err(Error::failed)?;
             let shader = self.shader("attribute kernels", &wgsl)?;
-            let pipeline = |entry_point| {
-                self.visibility
-                    .gpu
-                    .compute_pipeline(&ComputePipelineOptions {
-                        label: entry_point,
-                        layouts: &[
-                            &self.visibility.frame_layout,
-                            &self.visibility.columns_layout,
-                            &self.visibility.footprint_layout,
-                            &self.sums_layout,
-                        ],
-                        immediate_size: 0,
-                        shader: &shader,
-                        entry_point,
-                        constants: &[],
-                    })
-            };
-            Ok(Kernels {
-                each: pipeline("attributes_compute")?,
-                group_size: self.visibility.group_size(),
-                large: pipeline("attributes_compute_large")?,
-            })
+            let names = ["attributes_compute", "attributes_compute_large"];
+            self.visibility.kernels(&shader, &self.sums_layout, names)
         })
     }
 
@@ -175,23 +155,9 @@ impl Passes {
         cached(&self.shading, (source, set, features.to_vec()), || {
             let wgsl = link_shading(source, set, features).map_err(Error::failed)?;
             let shader = self.shader("shading pass", &wgsl)?;
-            let targets: Vec<_> = set
-                .formats()
-                .map(|format| {
-                    Some(ColourTarget {
-                        format,
-                        blend: None,
-                    })
-                })
-                .collect();
             let sums = match source {
                 Source::Ids => &self.textures_layout,
                 Source::Pixels => &self.buffers_layout,
-            };
-            // What is visible is known: its depth replaces what is there.
-            let depth = DepthTest {
-                compare: Compare::ALWAYS,
-                ..DepthTest::NEARER
             };
             self.visibility.gpu.render_pipeline(&RenderPipelineOptions {
                 layouts: &[
@@ -202,8 +168,8 @@ impl Passes {
                 ],
                 vertex: "blended_shading_vertex",
                 fragment: Some("blended_shading_fragment"),
-                depth: set.has_depth().then_some(depth),
-                targets: &targets,
+                depth: set.depth_test(),
+                targets: &set.colour_targets(),
                 ..RenderPipelineOptions::new("shading pass", &shader)
             })
         })

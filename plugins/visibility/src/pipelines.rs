@@ -169,38 +169,52 @@ impl Prepared {
     /// The compute path's kernels.
     pub(crate) fn compute(&self, features: &[&'static str], kernel: Kernel) -> Result<Kernels> {
         cached(&self.compute, (features.to_vec(), kernel), || {
-            let group_size = self.group_size();
             let mut features = compute_features(features, kernel);
-            features.extend((group_size == WIDE_GROUP).then_some("wide"));
+            features.extend(self.is_wide().then_some("wide"));
             let pairs = self.gpu.is_software() && kernel == Kernel::Whole;
             features.extend(pairs.then_some("pairs"));
             let shader = self.shader(VISIBILITY_COMPUTE, &features)?;
-            let pipeline = |entry_point| {
-                self.gpu.compute_pipeline(&ComputePipelineOptions {
-                    label: entry_point,
-                    layouts: &[
-                        &self.frame_layout,
-                        &self.columns_layout,
-                        &self.footprint_layout,
-                        &self.pixels_layout,
-                    ],
-                    immediate_size: 0,
-                    shader: &shader,
-                    entry_point,
-                    constants: &[],
-                })
-            };
-            Ok(Kernels {
-                each: pipeline("visibility_compute")?,
-                group_size,
-                large: pipeline("visibility_compute_large")?,
-            })
+            let names = ["visibility_compute", "visibility_compute_large"];
+            self.kernels(&shader, &self.pixels_layout, names)
         })
     }
 
-    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shaders, which have the feature `wide` where
-    /// [`is_wide`](Self::is_wide).
-    pub fn group_size(&self) -> u32 {
+    /// Kernels of a shader: for all surfels, and for those of many pixels.
+    ///
+    /// * `pixels_layout`: of group 3.
+    ///
+    /// # Errors
+    /// If the device refuses one.
+    pub fn kernels(
+        &self,
+        shader: &Shader,
+        pixels_layout: &BindGroupLayout,
+        [each, large]: [&str; 2],
+    ) -> Result<Kernels> {
+        let pipeline = |entry_point| {
+            self.gpu.compute_pipeline(&ComputePipelineOptions {
+                label: entry_point,
+                layouts: &[
+                    &self.frame_layout,
+                    &self.columns_layout,
+                    &self.footprint_layout,
+                    pixels_layout,
+                ],
+                immediate_size: 0,
+                shader,
+                entry_point,
+                constants: &[],
+            })
+        };
+        Ok(Kernels {
+            each: pipeline(each)?,
+            group_size: self.group_size(),
+            large: pipeline(large)?,
+        })
+    }
+
+    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shaders.
+    fn group_size(&self) -> u32 {
         let limits = [
             "max_compute_invocations_per_workgroup",
             "max_compute_workgroup_size_x",
@@ -213,7 +227,7 @@ impl Prepared {
         }
     }
 
-    /// Whether the compute kernels have large workgroups.
+    /// Whether the compute kernels have large workgroups: the feature `wide` of their shaders.
     pub fn is_wide(&self) -> bool {
         self.group_size() == WIDE_GROUP
     }
@@ -223,30 +237,16 @@ impl Prepared {
         cached(&self.shading, (source, set), || {
             let wgsl = link_shading(source, set).map_err(Error::failed)?;
             let shader = self.gpu.shader("shading pass", &wgsl)?;
-            let targets: Vec<_> = set
-                .formats()
-                .map(|format| {
-                    Some(ColourTarget {
-                        format,
-                        blend: None,
-                    })
-                })
-                .collect();
             let visible = match source {
                 Source::Ids => &self.ids_layout,
                 Source::Pixels => &self.visible_layout,
-            };
-            // The nearest surfel is known already: its depth replaces what is there.
-            let depth = DepthTest {
-                compare: Compare::ALWAYS,
-                ..DepthTest::NEARER
             };
             self.gpu.render_pipeline(&RenderPipelineOptions {
                 layouts: &[&self.frame_layout, &self.columns_layout, visible],
                 vertex: "shading_pass_vertex",
                 fragment: Some("shading_pass_fragment"),
-                depth: set.has_depth().then_some(depth),
-                targets: &targets,
+                depth: set.depth_test(),
+                targets: &set.colour_targets(),
                 ..RenderPipelineOptions::new("shading pass", &shader)
             })
         })

@@ -1,6 +1,7 @@
 //! The targets that a frame asks for, as attachments of the shading pass.
 
-use pointstage_plugin_api::abi::Format;
+use pointstage_plugin_api::abi::{Compare, Format};
+use pointstage_plugin_api::gpu::{ColourTarget, DepthTest};
 use pointstage_plugin_api::{Frame, Target, targets};
 
 /// A colour attachment that shading can fill: the target's key, its format, its feature in the shader, its slot's name.
@@ -137,6 +138,27 @@ impl TargetSet {
     /// Formats of the attachments, in slot order.
     pub fn formats(self) -> impl Iterator<Item = Format> {
         self.indices().map(|index| KINDS[index].format)
+    }
+
+    /// The colour targets of a shading pipeline: what is there is replaced.
+    pub fn colour_targets(self) -> Vec<Option<ColourTarget>> {
+        let target = |format| {
+            Some(ColourTarget {
+                format,
+                blend: None,
+            })
+        };
+        self.formats().map(target).collect()
+    }
+
+    /// The depth test of a shading pipeline, if it fills that target: what is visible is known already, so its depth
+    /// replaces what is there.
+    pub fn depth_test(self) -> Option<DepthTest> {
+        let always = DepthTest {
+            compare: Compare::ALWAYS,
+            ..DepthTest::NEARER
+        };
+        self.has_depth().then_some(always)
     }
 
     /// Features of the shading shader.
