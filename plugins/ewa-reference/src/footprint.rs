@@ -15,7 +15,8 @@
 //! ellipse; it is large, and its kernel is evaluated in its own plane. Without the filter all are.
 //!
 //! Coverage and visibility follow `hqss` to the letter, in f64: half where the disk's edge goes through the sample, a ramp of one
-//! sample across it.
+//! sample across it; splats smaller than a sample are seen as if they were as large; the back of a surface lies behind its place,
+//! so that it neither hides a front nor blends with one.
 //!
 //! Lengths on the screen are in samples: pixels, if there is one sample in each.
 
@@ -23,7 +24,7 @@ use pointstage_plugin_api::glam::{DMat2, DVec2, DVec3, Vec3Swizzles as _};
 use pointstage_plugin_api::twin::camera::Camera;
 use pointstage_plugin_api::twin::ellipse::{Axes, ProjectedEllipse, project_ellipse};
 
-/// With the filter a splat shows at least at samples this near to its own centre.
+/// With the filter a splat is seen as if its radius were at least this.
 const LEAST_RADIUS: f64 = 0.5;
 /// No place of a square of one is farther from its centre.
 const WITHIN_SAMPLE: f64 = 0.7072;
@@ -81,7 +82,10 @@ pub(crate) struct Footprint {
     depth_limits: [f64; 2],
     /// Pushed depth is depth times the first and less the second.
     push: [f64; 2],
+    faces_away: bool,
     has_filter: bool,
+    /// |uv|² up to which the splat is seen.
+    seen_squared: f64,
     /// The projected centre, if the filter reaches round it.
     centre: Option<DVec2>,
     resampling: Option<Resampling>,
@@ -114,13 +118,24 @@ fn ellipse_of([constant, x, y]: [DVec3; 3]) -> Option<(DVec2, DMat2)> {
 impl Footprint {
     /// The footprint of the splat with these half-axes (factors included, at one radius) round `centre_view`; none if
     /// nothing of it can be seen or an input is not finite.
+    ///
+    /// * `faces_away`: whether it shows its back, of a surface that has one.
     pub(crate) fn new(
         camera: &Camera,
         kernel: &Kernel,
         centre_view: DVec3,
         axes: Axes,
+        faces_away: bool,
     ) -> Option<Self> {
         let radius = axes.u.length().max(axes.v.length());
+        let sample = 1.0 / camera.pixels_per_unit_at(centre_view);
+        // Blurred over the filter's radius, a splat reaches as deep.
+        let depth_radius = kernel
+            .filter_radius
+            .map_or(radius, |filter| radius.hypot(filter * sample));
+        let least = kernel
+            .filter_radius
+            .map_or(0.0, |_| LEAST_RADIUS * sample / (radius * kernel.cutoff));
         let at_cutoff = Axes {
             u: axes.u * kernel.cutoff,
             v: axes.v * kernel.cutoff,
@@ -145,8 +160,10 @@ impl Footprint {
             uv1,
             depth,
             depth_limits: depth_limits(camera, -centre_view.z, radius * kernel.cutoff),
-            push: push_of(camera, centre_view, kernel.push * radius),
+            push: push_of(camera, centre_view, kernel.push * depth_radius),
+            faces_away,
             has_filter,
+            seen_squared: least.max(1.0).powi(2),
             centre: centre.filter(|_| has_filter),
             resampling: None,
             reach_squared: (kernel.cutoff / kernel.sigma).powi(2),
@@ -203,8 +220,21 @@ impl Footprint {
         (depth > 0.0 && depth <= 1.0).then_some(depth)
     }
 
+    /// What is held against the pushed depth of the nearest splat, from [`Footprint::depth`].
+    pub(crate) fn settled(&self, depth: f64) -> f64 {
+        if self.faces_away {
+            self.push(depth)
+        } else {
+            depth
+        }
+    }
+
     /// What the visibility pass compares, from [`Footprint::depth`].
     pub(crate) fn pushed(&self, depth: f64) -> f64 {
+        self.push(self.settled(depth))
+    }
+
+    fn push(&self, depth: f64) -> f64 {
         depth * self.push[0] - self.push[1]
     }
 
@@ -213,14 +243,10 @@ impl Footprint {
         self.uv1[0] + offset.x * self.uv1[1] + offset.y * self.uv1[2]
     }
 
-    /// Whether the splat covers at least half of the sample.
+    /// Whether the splat covers at least half of the sample, or lies in it.
     pub(crate) fn covers(&self, position: DVec2) -> bool {
         let uv1 = self.uv1(position);
-        let is_in_disk = uv1.z > 0.0 && uv1.xy().length_squared() <= uv1.z * uv1.z;
-        is_in_disk
-            || self.centre.is_some_and(|centre| {
-                centre.distance(position) <= LEAST_RADIUS || centre.floor() == position.floor()
-            })
+        uv1.z > 0.0 && uv1.xy().length_squared() <= self.seen_squared * uv1.z * uv1.z
     }
 
     /// What the splat gives the sample; none if it has no part in it.

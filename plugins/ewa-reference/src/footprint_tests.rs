@@ -17,7 +17,7 @@ fn tilted() -> (DVec3, Axes) {
 
 fn footprint(kernel: &Kernel) -> Footprint {
     let (centre, axes) = tilted();
-    Footprint::new(&perspective(), kernel, centre, axes).expect("it is in view")
+    Footprint::new(&perspective(), kernel, centre, axes, false).expect("it is in view")
 }
 
 /// Sum of weights over fine steps, and their second moments about the mean.
@@ -27,8 +27,7 @@ fn moments(footprint: &Footprint) -> (f64, DVec2, DMat2) {
     let size = ((footprint.upper - footprint.lower) / step).ceil();
     for row in 0..size.y as u32 {
         for column in 0..size.x as u32 {
-            let at =
-                footprint.lower + step * (DVec2::new(f64::from(column), f64::from(row)) + 0.5);
+            let at = footprint.lower + step * (DVec2::new(f64::from(column), f64::from(row)) + 0.5);
             let weight = footprint.share(at).map_or(0.0, |share| share.weight);
             sum += weight;
             first += weight * at;
@@ -112,11 +111,16 @@ fn a_splat_smaller_than_a_sample_covers_the_one_that_it_lies_in() {
     };
     let centre = DVec3::new(0.013, 0.027, -2.0);
     let camera = perspective();
-    let footprint = Footprint::new(&camera, &KERNEL, centre, tiny).expect("it is in view");
+    let footprint = Footprint::new(&camera, &KERNEL, centre, tiny, false).expect("it is in view");
     let place = camera.pixel_from_clip(camera.clip_from_view(centre));
     let sample = place.floor() + 0.5;
+    assert!(sample.distance(place) < LEAST_RADIUS, "{place}");
     assert!(footprint.covers(sample));
-    assert!(footprint.share(sample).is_some_and(|share| share.weight > 0.0));
+    assert!(
+        footprint
+            .share(sample)
+            .is_some_and(|share| share.weight > 0.0)
+    );
     assert!(!footprint.covers(sample + DVec2::X * 2.0));
 }
 
@@ -129,13 +133,37 @@ fn nothing_comes_of_numbers_that_are_none() {
             u: DVec3::new(bad, 0.0, 0.0),
             ..axes
         };
-        assert!(Footprint::new(&camera, &KERNEL, centre, broken).is_none());
+        assert!(Footprint::new(&camera, &KERNEL, centre, broken, false).is_none());
         let away = DVec3::new(0.0, bad, -2.0);
-        assert!(Footprint::new(&camera, &KERNEL, away, axes).is_none());
+        assert!(Footprint::new(&camera, &KERNEL, away, axes, false).is_none());
     }
     let flat = Axes {
         u: axes.u,
         v: DVec3::ZERO,
     };
-    assert!(Footprint::new(&camera, &KERNEL, centre, flat).is_none());
+    assert!(Footprint::new(&camera, &KERNEL, centre, flat, false).is_none());
+}
+
+#[test]
+fn a_back_lies_behind_a_front_at_its_place() {
+    let (centre, axes) = tilted();
+    let camera = perspective();
+    let [front, back] = [false, true].map(|faces_away| {
+        Footprint::new(&camera, &KERNEL, centre, axes, faces_away).expect("it is in view")
+    });
+    let at = camera.pixel_from_clip(camera.clip_from_view(centre));
+    let depth = front.depth(at).expect("in view");
+    assert_eq!(back.depth(at), Some(depth), "its place is the same");
+    assert!(
+        front.settled(depth) > front.pushed(depth),
+        "it blends with itself"
+    );
+    assert!(
+        back.settled(depth) > back.pushed(depth),
+        "it blends with itself"
+    );
+    assert!(
+        back.settled(depth) <= front.pushed(depth),
+        "not with the front"
+    );
 }

@@ -1,8 +1,8 @@
 //! What a frame draws, readable on the CPU: the selection's draws, and with triangles the meshes behind them. A *primitive* is
 //! a surfel or a triangle; its *ordinal* counts through all parts in order.
 
-use pointstage_plugin_api::glam::{DMat3, DMat4, DVec3, Mat4};
 use pointstage_plugin_api::columns::{NO_NORMAL, decode_colour_linear, decode_normal};
+use pointstage_plugin_api::glam::{DMat3, DMat4, DVec3, Mat4};
 use pointstage_plugin_api::twin::camera::Camera;
 use pointstage_plugin_api::twin::ellipse::Axes;
 use pointstage_plugin_api::{Block, Draw, DrawFlags, DrawUniform, Error, Frame, Result};
@@ -235,17 +235,16 @@ impl<'a> Parts<'a> {
         let number = part.number(place);
         let surfels = &part.surfels;
         let centre = surfels.centre_view(number);
-        let is_culled = self.cull_backs
-            && !surfels.two_sided
+        let faces_away = !surfels.two_sided
             && surfels
                 .normal_view(number)
                 .is_some_and(|normal| normal.dot(self.camera.towards_eye(centre)) < 0.0);
-        if is_culled || !centre.is_finite() {
+        if (self.cull_backs && faces_away) || !centre.is_finite() {
             return None;
         }
         let scale = self.radius_scale * self.kernel.scale;
         let axes = surfels.axes_view(number, centre, &self.camera, scale);
-        Footprint::new(&self.camera, &self.kernel, centre, axes)
+        Footprint::new(&self.camera, &self.kernel, centre, axes, faces_away)
     }
 
     /// Whether the ordinal is a triangle's.

@@ -191,8 +191,8 @@ impl Picture {
                 |job, found| {
                     let tile = tile_of(job);
                     self.take(region_of(tile, size_px), &found);
-                    self.done += f64::from(level.samples).powi(2)
-                        * region_of(tile, size_px).pixel_count();
+                    self.done +=
+                        f64::from(level.samples).powi(2) * region_of(tile, size_px).pixel_count();
                     drawn.push(tile);
                 },
             )?;

@@ -10,8 +10,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pointstage_plugin_api::glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles as _};
 use pointstage_plugin_api::FrameUniform;
+use pointstage_plugin_api::glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles as _};
 use pointstage_plugin_api::targets::kind;
 use pointstage_plugin_api::twin::lighting::phong;
 
@@ -186,9 +186,8 @@ impl Renderer<'_> {
                 let position = DVec2::new(f64::from(column), f64::from(row)) + 0.5;
                 let index = around.index(column, row);
                 let sides = [(-1, 0), (1, 0), (0, -1), (0, 1)];
-                let is_there = |(x, y): &(i32, i32)| {
-                    seen[around.index(column + x, row + y)].ordinal != NOBODY
-                };
+                let is_there =
+                    |(x, y): &(i32, i32)| seen[around.index(column + x, row + y)].ordinal != NOBODY;
                 let side_count = sides.iter().filter(|side| is_there(side)).count();
                 shaded.push(self.shade(position, seen[index], &sums[index], side_count));
             }
@@ -206,7 +205,7 @@ impl Renderer<'_> {
     ) {
         let mut attributes = None;
         around.each_within(footprint.lower, footprint.upper, |index, position| {
-            let in_front = |depth: &f64| *depth >= seen[index].pushed;
+            let in_front = |depth: &f64| footprint.settled(*depth) >= seen[index].pushed;
             let Some(depth) = footprint.depth(position).filter(in_front) else {
                 return;
             };

@@ -91,6 +91,7 @@ impl BlendedView {
         let blocks = self.visibility.write_blocks(gpu, &list)?;
         self.ready_sums(gpu, frame.size_px(), visible.source)?;
         self.ready_groups(passes, &visible, &blocks)?;
+        let shading_features: Vec<_> = features.iter().copied().chain(wanted.look).collect();
         self.record_attributes(passes, frame, &list, &visible, &features, &mut recorder)?;
         let set = match visible.source {
             Source::Pixels => targets.all(),
@@ -103,7 +104,7 @@ impl BlendedView {
                 &list,
                 &targets,
                 set,
-                &features,
+                &shading_features,
                 &mut recorder,
             )?;
         }

@@ -13,8 +13,6 @@ pub(crate) struct SplatUniform {
     pub(crate) falloff: f32,
     pub(crate) push: f32,
     pub(crate) filter_px: f32,
-    pub(crate) shading: u32,
-    pub(crate) shows: u32,
     pub(crate) two_sided: u32,
     pub(crate) bands: f32,
     pub(crate) outline: f32,
@@ -26,6 +24,8 @@ pub(crate) struct Wanted {
     pub(crate) uniform: SplatUniform,
     /// Of the footprint's module.
     pub(crate) features: Vec<&'static str>,
+    /// Of the shading pass: how the colours are lit, or what they show.
+    pub(crate) look: Option<&'static str>,
     pub(crate) path: Path,
 }
 
@@ -45,25 +45,27 @@ pub(crate) fn request_of(settings: Settings<'_>) -> Result<Wanted> {
             falloff: falloff(sigma),
             push: settings.float("epsilon")?,
             filter_px: settings.float("filter_radius")?,
-            shading: match settings.choice("shading")? {
-                "flat" => 1,
-                "toon" => 2,
-                _ => 0,
-            },
-            shows: match settings.choice("shows")? {
-                "colours" => 1,
-                "normals" => 2,
-                "weight" => 3,
-                "depth" => 4,
-                _ => 0,
-            },
             two_sided: settings.bool("two_sided")?.into(),
             bands: settings.int("bands")? as f32,
             outline: settings.float("outline")?,
         },
         features,
+        look: look_of(settings.choice("shows")?, settings.choice("shading")?),
         path: Path::from_id(settings.choice("path")?),
     })
+}
+
+/// Feature of the shading pass.
+fn look_of(shows: &str, shading: &str) -> Option<&'static str> {
+    match (shows, shading) {
+        ("colours", _) => None,
+        ("normals", _) => Some("shows_normals"),
+        ("weight", _) => Some("shows_weight"),
+        ("depth", _) => Some("shows_depth"),
+        (_, "flat") => Some("flat_normals"),
+        (_, "toon") => Some("toon"),
+        _ => Some("phong"),
+    }
 }
 
 /// The factor f of the Gaussian exp(-f·d²) with this standard deviation.

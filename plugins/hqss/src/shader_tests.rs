@@ -9,6 +9,16 @@ use core::mem::offset_of;
 use pointstage_visibility::{Source, TargetSet, linked_variants};
 use shader_checks::{assert_manifest, assert_variants, validated};
 
+/// Of the shading pass.
+const LOOKS: [&[&str]; 7] = [
+    &[],
+    &["phong"],
+    &["flat_normals"],
+    &["toon"],
+    &["shows_normals"],
+    &["shows_weight"],
+    &["shows_depth"],
+];
 const FEATURES: [&[&str]; 3] = [&[], &["low_pass"], &["low_pass", "cull_backs", "direct"]];
 
 #[test]
@@ -19,8 +29,6 @@ fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
         ("falloff", offset_of!(SplatUniform, falloff)),
         ("push", offset_of!(SplatUniform, push)),
         ("filter_px", offset_of!(SplatUniform, filter_px)),
-        ("shading", offset_of!(SplatUniform, shading)),
-        ("shows", offset_of!(SplatUniform, shows)),
         ("two_sided", offset_of!(SplatUniform, two_sided)),
         ("bands", offset_of!(SplatUniform, bands)),
         ("outline", offset_of!(SplatUniform, outline)),
@@ -40,10 +48,12 @@ fn the_attribute_and_shading_passes_validate() {
             let features = [features, wide].concat();
             validated("attributes, compute", &link_compute(&features).unwrap());
         }
+        let mut looks = LOOKS.iter().cycle();
         for set in TargetSet::each().step_by(7) {
             for source in [Source::Ids, Source::Pixels] {
-                let wgsl = link_shading(source, set, features).unwrap();
-                validated(&format!("shading {set:?} {source:?}"), &wgsl);
+                let features = [features, looks.next().unwrap()].concat();
+                let wgsl = link_shading(source, set, &features).unwrap();
+                validated(&format!("shading {set:?} {source:?} {features:?}"), &wgsl);
             }
         }
     }
