@@ -1,0 +1,202 @@
+//! One view: drawn by everybody, measured, written.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use image::{DynamicImage, RgbImage};
+use pointstage_engine::metrics::{Measured, Regions, measure, silhouette};
+use pointstage_engine::stage::{FrameRequest, FrameResult, Picture, Stage, ViewportId};
+use pointstage_plugin_api::abi::Purpose;
+use pointstage_scene::{ObjectId, Scene, ViewRecord, Warnings};
+use serde_json::{Value, json};
+
+use super::CompareArguments;
+use super::entries::{Entries, Entry};
+use super::report::{DrawnReference, Files, Found, FoundView, millis};
+use crate::cli::{Failure, Outcome, drawing};
+use crate::output::{names, png_file, record, whole_file};
+
+/// Viewport of the reference.
+const REFERENCE: ViewportId = ViewportId(0);
+
+/// Viewport of the others. It is another one, so that a renderer that is its own reference starts anew, too.
+const RENDERERS: ViewportId = ViewportId(1);
+
+/// What is the same for all views.
+pub(super) struct Comparison<'a> {
+    /// The command line.
+    pub(super) arguments: &'a CompareArguments,
+    /// Who draws.
+    pub(super) entries: &'a Entries,
+    /// What is drawn.
+    pub(super) scene: &'a Arc<Scene>,
+    /// What loading each object gave to say.
+    pub(super) warnings: &'a BTreeMap<ObjectId, Warnings>,
+    /// Of the views.
+    pub(super) count: usize,
+}
+
+impl Comparison<'_> {
+    /// Draws, measures and writes view `index`.
+    pub(super) fn view(
+        &self,
+        stage: &mut Stage,
+        index: usize,
+        view: &ViewRecord,
+    ) -> Outcome<FoundView> {
+        let Entries {
+            reference,
+            silhouette: key,
+            renderers,
+        } = self.entries;
+        let name = |label: &str, what: &str| {
+            format!("{label}_{}{what}.png", names::number(index, self.count))
+        };
+        let request = FrameRequest {
+            viewport: REFERENCE,
+            read_back: vec![(*key).to_owned()],
+            ..self.request(reference, view)
+        };
+        let drawn = draw(stage, reference, &request)?;
+        let plane = drawn.planes.get(*key).map(silhouette);
+        let regions = plane
+            .and_then(|covered| Regions::new(drawn.picture.size_px, &covered))
+            .ok_or_else(|| {
+                Failure::Failed(anyhow::anyhow!(
+                    "renderer '{}' gave no target '{key}' with this picture, so what it covers is unknown; choose another reference",
+                    reference.label
+                ))
+            })?;
+        let expected = rgb_of(&drawn.picture)?;
+        let path = name("reference", "");
+        self.write(&path, &expected, &self.record(stage, &request, &path))?;
+        let reference = DrawnReference {
+            ms: millis(drawn.stats.total),
+            picture: path,
+        };
+
+        let mut found = Vec::new();
+        for entry in renderers {
+            let request = self.request(entry, view);
+            let drawn = draw(stage, entry, &request)?;
+            let picture = rgb_of(&drawn.picture)?;
+            let Measured {
+                whole,
+                interior,
+                edge,
+                flip_map,
+                difference_map,
+            } = measure(&expected, &picture, &regions)?;
+            let files = Files {
+                picture: name(&entry.label, ""),
+                flip: flip_map.as_ref().map(|_| name(&entry.label, "_flip")),
+                difference: name(&entry.label, "_difference"),
+            };
+            let record = self.record(stage, &request, &files.picture);
+            self.write(&files.picture, &picture, &record)?;
+            let difference = self.record_of_map(&record, "difference");
+            self.write(&files.difference, &difference_map, &difference)?;
+            if let (Some(path), Some(map)) = (&files.flip, &flip_map) {
+                self.write(path, map, &self.record_of_map(&record, "flip"))?;
+            }
+            found.push(Found {
+                ms: millis(drawn.stats.total),
+                files,
+                whole,
+                interior,
+                edge,
+            });
+        }
+        Ok(FoundView {
+            view: *view,
+            reference,
+            found,
+        })
+    }
+
+    /// What one of them is asked for; all else is the same for everybody.
+    fn request(&self, entry: &Entry, view: &ViewRecord) -> FrameRequest {
+        FrameRequest {
+            viewport: RENDERERS,
+            settings: entry.settings.clone(),
+            background: self.arguments.background,
+            exposure: self.arguments.exposure,
+            radius_scale: self.arguments.radius_scale,
+            purpose: Purpose::COMPARE,
+            ..FrameRequest::still(
+                Arc::clone(self.scene),
+                view.camera(),
+                [view.width, view.height],
+                entry.id.clone(),
+            )
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.arguments.out.join(name)
+    }
+
+    /// What a picture is made from, so that it can be made again.
+    fn record(&self, stage: &Stage, request: &FrameRequest, name: &str) -> Value {
+        let mut record = record::of_frame(request, self.warnings, &self.path(name));
+        record::add_drawer(&mut record, stage, &request.renderer);
+        record
+    }
+
+    /// The same for a map: what the picture is made from that it belongs to, and what it was measured by.
+    fn record_of_map(&self, record: &Value, map: &str) -> Value {
+        let Entry {
+            id,
+            version,
+            settings,
+            ..
+        } = &self.entries.reference;
+        let mut record = record.clone();
+        record["map"] = map.into();
+        record["reference"] = json!({ "id": id, "version": version, "settings": settings });
+        record
+    }
+
+    fn write(&self, name: &str, picture: &RgbImage, record: &Value) -> Outcome {
+        let size_px = picture.dimensions().into();
+        let rgba = DynamicImage::ImageRgb8(picture.clone()).into_rgba8();
+        let bytes = png_file::encode(size_px, &rgba, record)?;
+        let path = self.path(name);
+        whole_file::write(&path, &bytes)?;
+        tracing::info!("written {}", path.display());
+        Ok(())
+    }
+}
+
+/// Draws, and fails if another renderer stood in: its picture would be measured under a wrong name.
+fn draw(stage: &mut Stage, entry: &Entry, request: &FrameRequest) -> Outcome<FrameResult> {
+    let result = drawing::draw_in_silence(stage, request)?;
+    if result.drawn_by == entry.id {
+        result.notices.iter().for_each(drawing::say);
+        return Ok(result);
+    }
+    let said: Vec<&str> = result
+        .notices
+        .iter()
+        .map(|notice| notice.text.as_str())
+        .collect();
+    Err(Failure::Failed(anyhow::anyhow!(
+        "renderer '{}' did not draw, '{}' stood in for it, so nothing is compared: {}",
+        entry.id,
+        result.drawn_by,
+        said.join("; ")
+    )))
+}
+
+/// A picture without its alpha: over an opaque background there is nothing in it.
+fn rgb_of(picture: &Picture) -> Outcome<RgbImage> {
+    let [width, height] = picture.size_px;
+    let rgb = picture.rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]);
+    RgbImage::from_raw(width, height, rgb.copied().collect()).ok_or_else(|| {
+        Failure::Failed(anyhow::anyhow!(
+            "a picture of {width}×{height} pixels has only {} bytes; please report this",
+            picture.rgba.len()
+        ))
+    })
+}
