@@ -1,8 +1,8 @@
 //! FLIP: how much two pictures seem to differ when one is shown in the other's place, by NVIDIA's own code.
 //!
-//! The crate `nv-flip` wraps the C++ of Andersson et al. (FLIP 2020), in its form for pictures of low dynamic range. Errors are 0 (no difference to be seen) … 1, for an observer who sees
-//! [`PIXELS_PER_DEGREE`] pixels a degree. Without the cargo feature `flip` there are no errors and no maps: building it takes
-//! a C++17 compiler.
+//! The crate `nv-flip` wraps the C++ of Andersson et al. (FLIP 2020), in its form for pictures of low dynamic range. Errors
+//! are 0 (no difference to be seen) … 1, for an observer who sees [`PIXELS_PER_DEGREE`] pixels a degree. Without the cargo
+//! feature `flip` there are no errors and no maps: building it takes a C++17 compiler.
 
 use image::RgbImage;
 

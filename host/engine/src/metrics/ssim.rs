@@ -1,9 +1,9 @@
 //! Structural similarity, by the crate `image-compare`.
 //!
-//! Which SSIM it is, for there are many: that of Wang et al. (Structural Similarity 2004) in its simple form, on luma (the weights of Rec. 709 over
-//! gamma-encoded sRGB, cut to 8 bits), in windows of 8×8 pixels that do not overlap, with equal weights (those at the
-//! right and lower border may be smaller). All pixels of a window have its similarity, so an interior or an edge has the mean
-//! over its pixels of the windows that they lie in.
+//! Which SSIM it is, for there are many: that of Wang et al. (Structural Similarity 2004) in its simple form, on luma (the
+//! weights of Rec. 709 over gamma-encoded sRGB, cut to 8 bits), in windows of 8×8 pixels that do not overlap, with equal
+//! weights (those at the right and lower border may be smaller). All pixels of a window have its similarity, so an interior or
+//! an edge has the mean over its pixels of the windows that they lie in.
 //!
 //! Where the crate differs from the paper: it sums squares over a window where the paper takes their mean. For a window of N
 //! pixels that is the paper's formula with `K₂ = 0.03/√N`, in a whole window 0.00375 (K₁ is 0.01 as there): faint structure

@@ -110,14 +110,15 @@ impl Entry {
 
 /// A label that any file system takes: the alias, then the settings.
 fn label(alias: &str, settings: &SettingValues) -> String {
-    let mut label = alias.to_owned();
-    for (id, value) in settings {
-        label.push_str(&format!("-{id}-{value}"));
-    }
-    let safe = label.chars().map(|letter| match letter {
-        'a'..='z' | 'A'..='Z' | '0'..='9' | '.' | '_' => letter,
-        _ => '-',
-    });
+    let settings = settings.iter().map(|(id, value)| format!("-{id}-{value}"));
+    let parts: Vec<String> = std::iter::once(alias.to_owned()).chain(settings).collect();
+    let safe = parts
+        .iter()
+        .flat_map(|part| part.chars())
+        .map(|letter| match letter {
+            'a'..='z' | 'A'..='Z' | '0'..='9' | '.' | '_' => letter,
+            _ => '-',
+        });
     safe.take(LONGEST_LABEL).collect()
 }
 
@@ -177,8 +178,8 @@ impl Entries {
 
     /// Fails if one of them cannot draw the scene.
     pub(super) fn check_scene(&self, stage: &Stage, scene: &Scene) -> Outcome {
-        let all = std::iter::once(&self.reference).chain(&self.renderers);
-        all.map(|entry| entry.check_scene(stage, scene)).collect()
+        let mut all = std::iter::once(&self.reference).chain(&self.renderers);
+        all.try_for_each(|entry| entry.check_scene(stage, scene))
     }
 }
 

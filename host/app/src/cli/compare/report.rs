@@ -168,15 +168,15 @@ impl Mean {
         Self {
             label: who.label.clone(),
             ms: mean(found().map(|found| Some(found.ms))),
-            whole: mean_measures(found().map(|found| found.whole)),
-            interior: mean_measures(found().map(|found| found.interior)),
-            edge: mean_measures(found().map(|found| found.edge)),
+            whole: mean_measures(&found().map(|found| found.whole)),
+            interior: mean_measures(&found().map(|found| found.interior)),
+            edge: mean_measures(&found().map(|found| found.edge)),
         }
     }
 }
 
 /// Means of each number over the views that have it; pixels are summed, and identical are only views that all are.
-fn mean_measures(views: impl Iterator<Item = Measures> + Clone) -> Measures {
+fn mean_measures(views: &(impl Iterator<Item = Measures> + Clone)) -> Measures {
     let over = |number: fn(Measures) -> Option<f64>| mean(views.clone().map(number));
     let pixels = views.clone().map(|measures| measures.pixels).sum();
     Measures {
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn means_are_over_the_views_that_have_a_number() {
         let views = [Some(20.0), Some(f64::INFINITY), None, Some(30.0)].map(measures);
-        let mean = mean_measures(views.into_iter());
+        let mean = mean_measures(&views.into_iter());
         assert_eq!((mean.psnr_db, mean.pixels), (Some(25.0), 3));
         assert_eq!((mean.ssim, mean.flip_mean), (Some(0.5), None));
         assert!(!mean.identical);
@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn identical_in_all_views_is_identical() {
-        let of = |views: [Option<f64>; 2]| mean_measures(views.map(measures).into_iter());
+        let of = |views: [Option<f64>; 2]| mean_measures(&views.map(measures).into_iter());
         let equal = Some(f64::INFINITY);
         assert!(of([equal, equal]).identical && of([equal, None]).identical);
         assert!(!of([None, None]).identical);

@@ -8,13 +8,16 @@ use super::report::Report;
 pub(super) fn of(report: &Report) -> String {
     let labels = report.means.iter().map(|mean| mean.label.chars().count());
     let width = labels.max().unwrap_or(0).max("renderer".len());
-    let mut text = format!(
-        "{:4}  {:width$}  {:^24}  {:^24}\n{:4}  {:width$}  {HEAD}  {HEAD}\n",
-        "", "", "whole", "interior", "view", "renderer"
-    );
+    let mut lines = vec![
+        format!(
+            "{:4}  {:width$}  {:^24}  {:^24}",
+            "", "", "whole", "interior"
+        ),
+        format!("{:4}  {:width$}  {HEAD}  {HEAD}", "view", "renderer"),
+    ];
     let mut row = |view: &str, label: &str, whole: &Measures, interior: &Measures| {
         let (whole, interior) = (cells(whole), cells(interior));
-        text.push_str(&format!("{view:>4}  {label:width$}  {whole}  {interior}\n"));
+        lines.push(format!("{view:>4}  {label:width$}  {whole}  {interior}"));
     };
     for (index, view) in report.views.iter().enumerate() {
         for renderer in &view.renderers {
@@ -32,7 +35,7 @@ pub(super) fn of(report: &Report) -> String {
             row("mean", &mean.label, &mean.whole, &mean.interior);
         }
     }
-    text
+    lines.join("\n")
 }
 
 /// Above a region's three cells.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use image::{DynamicImage, RgbImage};
 use pointstage_engine::metrics::{Measured, Regions, measure, silhouette};
-use pointstage_engine::stage::{FrameRequest, FrameResult, Picture, Stage, ViewportId};
+use pointstage_engine::stage::{FrameRequest, FrameResult, Notice, Picture, Stage, ViewportId};
 use pointstage_plugin_api::abi::Purpose;
 use pointstage_scene::{ObjectId, Scene, ViewRecord, Warnings};
 use serde_json::{Value, json};
@@ -169,22 +169,22 @@ impl Comparison<'_> {
     }
 }
 
-/// Draws, and fails if another renderer stood in: its picture would be measured under a wrong name.
+/// Draws as one of them.
 fn draw(stage: &mut Stage, entry: &Entry, request: &FrameRequest) -> Outcome<FrameResult> {
     let result = drawing::draw_in_silence(stage, request)?;
-    if result.drawn_by == entry.id {
-        result.notices.iter().for_each(drawing::say);
-        return Ok(result);
+    check_drawer(&entry.id, &result.drawn_by, &result.notices)?;
+    result.notices.iter().for_each(drawing::say);
+    Ok(result)
+}
+
+/// Fails if another renderer stood in: its picture would be measured under a wrong name.
+fn check_drawer(asked: &str, drawn_by: &str, notices: &[Notice]) -> Outcome {
+    if drawn_by == asked {
+        return Ok(());
     }
-    let said: Vec<&str> = result
-        .notices
-        .iter()
-        .map(|notice| notice.text.as_str())
-        .collect();
+    let said: Vec<&str> = notices.iter().map(|notice| notice.text.as_str()).collect();
     Err(Failure::Failed(anyhow::anyhow!(
-        "renderer '{}' did not draw, '{}' stood in for it, so nothing is compared: {}",
-        entry.id,
-        result.drawn_by,
+        "renderer '{asked}' did not draw, '{drawn_by}' stood in for it, so nothing is compared: {}",
         said.join("; ")
     )))
 }
@@ -199,4 +199,40 @@ fn rgb_of(picture: &Picture) -> Outcome<RgbImage> {
             picture.rgba.len()
         ))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pointstage_engine::stage::Severity;
+
+    #[test]
+    fn a_stand_in_is_a_failure_with_the_reason() {
+        let notice = Notice {
+            severity: Severity::Error,
+            plugin: "a".to_owned(),
+            text: "out of memory".to_owned(),
+            detail: String::new(),
+        };
+        check_drawer("a", "a", std::slice::from_ref(&notice)).expect("it drew itself");
+        match check_drawer("a", "b", &[notice]) {
+            Err(Failure::Failed(error)) => {
+                let text = error.to_string();
+                assert!(text.contains("'a' did not draw, 'b' stood in"), "{text}");
+                assert!(text.contains("out of memory"), "{text}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_picture_loses_its_alpha_and_keeps_its_colours() {
+        let picture = |bytes: &[u8]| Picture {
+            size_px: [1, 2],
+            rgba: bytes.into(),
+        };
+        let rgb = rgb_of(&picture(&[1, 2, 3, 255, 4, 5, 6, 255])).expect("whole");
+        assert_eq!(rgb.into_raw(), [1, 2, 3, 4, 5, 6]);
+        rgb_of(&picture(&[1, 2, 3, 255])).expect_err("one pixel is missing");
+    }
 }
