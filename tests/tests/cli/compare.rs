@@ -167,6 +167,45 @@ fn a_picture_of_a_comparison_can_be_drawn_again() -> Result<()> {
 }
 
 #[test]
+fn pictures_that_are_there_already_can_be_the_reference() -> Result<()> {
+    let shell = Shell::new()?;
+    let options = "sphere.ply --no-device --renderers fallback --views orbit:2 --size 96x64";
+    let by_renderer = shell.compare(&format!("{options} --reference fallback"))?;
+    std::fs::rename(shell.folder().join("apart"), shell.folder().join("truth"))?;
+    let by_images = format!("{options} --reference-images truth");
+    let metrics = shell.compare(&by_images)?;
+    assert_eq!(metrics["reference"], json!({ "images": "truth" }));
+    for view in 0..2 {
+        let of =
+            |metrics: &Value, region: &str| metrics["views"][view]["renderers"][0][region].clone();
+        // The sphere is nowhere as white as what is behind it, so both ways find the same silhouette.
+        for region in ["whole", "interior", "edge"] {
+            assert_eq!(of(&metrics, region), of(&by_renderer, region), "{region}");
+        }
+    }
+    assert!(
+        !shell.written()?.contains("reference_000.png"),
+        "nobody drew it"
+    );
+
+    let compare = |options: &str| format!("compare {options} --out other");
+    let gradient = format!("{by_images} --background #ffffff,#000000");
+    shell.assert_fails(2, &compare(&gradient), &["--background of one colour"])?;
+    let both = format!("{by_images} --reference fallback");
+    shell.assert_fails(2, &compare(&both), &["cannot be used with"])?;
+    let larger = by_images.replace("96x64", "97x64");
+    let expected = ["reference_000.png: the picture is 96×64", "expected 97×64"];
+    shell.assert_fails(1, &compare(&larger), &expected)?;
+    let more = by_images.replace("orbit:2", "orbit:3");
+    shell.assert_fails(1, &compare(&more), &["reference_002.png", "cannot be read"])?;
+    assert!(
+        !shell.folder().join("other").exists(),
+        "nothing is drawn before"
+    );
+    Ok(())
+}
+
+#[test]
 fn settings_of_an_entry_are_taken_and_name_its_files() -> Result<()> {
     let shell = Shell::new()?;
     let line = "compare sphere.ply --renderers points:shape=square:size_mode=fixed:size=9,points:size_mode=fixed:size=1 \

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use pointstage_engine::plugins::{PluginInfo, suitability};
 use pointstage_engine::stage::{FALLBACK_ID, FrameError, SettingValues, Stage};
 use pointstage_plugin_api::settings_schema::snapshot;
-use pointstage_plugin_api::targets;
 use pointstage_scene::Scene;
 
 use crate::cli::{Failure, Outcome, drawing, values};
@@ -58,7 +57,7 @@ pub(super) struct Entry {
 
 impl Entry {
     /// Looks up a renderer and checks its settings.
-    fn find(
+    pub(super) fn find(
         stage: &Stage,
         EntryText {
             text,
@@ -92,7 +91,7 @@ impl Entry {
     }
 
     /// Fails if the scene or the device lacks what the renderer needs.
-    fn check_scene(&self, stage: &Stage, scene: &Scene) -> Outcome {
+    pub(super) fn check_scene(&self, stage: &Stage, scene: &Scene) -> Outcome {
         let Some(info) = &self.info else {
             return Ok(());
         };
@@ -122,82 +121,41 @@ fn label(alias: &str, settings: &SettingValues) -> String {
     safe.take(LONGEST_LABEL).collect()
 }
 
-/// Everybody who draws.
-#[derive(Debug)]
-pub(super) struct Entries {
-    /// Whom the others are measured by.
-    pub(super) reference: Entry,
-    /// Key of the reference's target that says what it covers.
-    pub(super) silhouette: &'static str,
-    /// The others.
-    pub(super) renderers: Vec<Entry>,
-}
-
-impl Entries {
-    /// Looks all of them up. Entries that would draw the same are refused.
-    pub(super) fn find(
-        stage: &Stage,
-        reference: &EntryText,
-        renderers: &[EntryText],
-    ) -> Outcome<Self> {
-        let reference = Entry::find(stage, reference)?;
-        let silhouette = silhouette_target(stage, &reference)?;
-        let mut found: Vec<Entry> = Vec::new();
-        for (index, text) in renderers.iter().enumerate() {
-            let mut entry = Entry::find(stage, text)?;
-            let settings = entry.all_settings()?;
-            for (other, EntryText { text: before, .. }) in found.iter().zip(renderers) {
-                if other.id == entry.id && other.all_settings()? == settings {
-                    return Err(Failure::usage(format!(
-                        "--renderers: '{before}' and '{}' are one renderer with the same settings; name it once",
-                        text.text
-                    )));
-                }
+/// Looks up all renderers. Entries that would draw the same are refused.
+pub(super) fn find_all(stage: &Stage, texts: &[EntryText]) -> Outcome<Vec<Entry>> {
+    let mut found: Vec<Entry> = Vec::new();
+    for text in texts {
+        let mut entry = Entry::find(stage, text)?;
+        let settings = entry.all_settings()?;
+        for (other, EntryText { text: before, .. }) in found.iter().zip(texts) {
+            if other.id == entry.id && other.all_settings()? == settings {
+                return Err(Failure::usage(format!(
+                    "--renderers: '{before}' and '{}' are one renderer with the same settings; name it once",
+                    text.text
+                )));
             }
-            let taken = |label: &str| {
-                let same = |other: &Entry| other.label.eq_ignore_ascii_case(label);
-                // The reference's files are called so.
-                label.eq_ignore_ascii_case("reference") || found.iter().any(same)
-            };
-            if taken(&entry.label) {
-                // As many as there are entries before, and one for the word above.
-                let numbered = (2..=index + 3).map(|number| format!("{}-{number}", entry.label));
-                entry.label = numbered
-                    .into_iter()
-                    .find(|label| !taken(label))
-                    .expect("more numbers than labels are taken");
-            }
-            found.push(entry);
         }
-        Ok(Self {
-            reference,
-            silhouette,
-            renderers: found,
-        })
+        entry.label = free_label(entry.label, &found);
+        found.push(entry);
     }
-
-    /// Fails if one of them cannot draw the scene.
-    pub(super) fn check_scene(&self, stage: &Stage, scene: &Scene) -> Outcome {
-        let mut all = std::iter::once(&self.reference).chain(&self.renderers);
-        all.try_for_each(|entry| entry.check_scene(stage, scene))
-    }
+    Ok(found)
 }
 
-/// The target that says which pixels the reference covers.
-fn silhouette_target(stage: &Stage, reference: &Entry) -> Outcome<&'static str> {
-    let given = stage
-        .given_targets(&reference.id)
-        .map_err(Failure::usage_from)?;
-    let is_given = |key: &&str| given.iter().any(|spec| spec.key == *key);
-    let found = [targets::ID, targets::DEPTH].into_iter().find(is_given);
-    found.ok_or_else(|| {
-        Failure::usage(format!(
-            "renderer '{}' writes neither '{}' nor '{}', which say what a reference covers; choose another reference",
-            reference.label,
-            targets::ID,
-            targets::DEPTH
-        ))
-    })
+/// `label`, with a number behind it if another entry has it.
+fn free_label(label: String, others: &[Entry]) -> String {
+    let is_taken = |label: &str| {
+        let same = |other: &Entry| other.label.eq_ignore_ascii_case(label);
+        // The reference's files are called so.
+        label.eq_ignore_ascii_case("reference") || others.iter().any(same)
+    };
+    if !is_taken(&label) {
+        return label;
+    }
+    // One number more than there are names that can be taken: the others', and the reference's.
+    let mut numbered = (2..=others.len() + 3).map(|number| format!("{label}-{number}"));
+    numbered
+        .find(|label| !is_taken(label))
+        .expect("more numbers than labels are taken")
 }
 
 #[cfg(test)]
@@ -222,6 +180,22 @@ mod tests {
             let error = entry_text(bad).expect_err(bad);
             assert!(error.contains(expected), "{bad}: {error}");
         }
+    }
+
+    #[test]
+    fn a_label_that_is_taken_gets_a_number() {
+        let entry = |label: &str| Entry {
+            label: label.to_owned(),
+            id: String::new(),
+            version: String::new(),
+            settings: SettingValues::new(),
+            info: None,
+        };
+        let others = [entry("a"), entry("A-2"), entry("b")];
+        let free = |label: &str| free_label(label.to_owned(), &others);
+        assert_eq!(free("c"), "c");
+        assert_eq!(free("a"), "a-3");
+        assert_eq!(free("Reference"), "Reference-2");
     }
 
     #[test]

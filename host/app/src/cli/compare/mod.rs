@@ -1,10 +1,11 @@
 //! `pointstage compare`: how far renderers are from a reference, in pictures and numbers.
 //!
-//! Who draws is looked up and checked before a file is read ([`entries`]). Then the scene is loaded once, and each view is
-//! drawn by the reference and by every renderer, measured and written ([`view`]). What was found ends in `metrics.json`, whose
+//! Who draws is looked up and checked before a file is read ([`entries`], [`reference`]). Then the scene is loaded once, and
+//! each view is drawn by the reference and by every renderer, measured and written ([`view`]). What was found ends in `metrics.json`, whose
 //! form is documented in `docs/user-guide/comparing.md` ([`report`]), and in a table ([`table`]).
 
 mod entries;
+mod reference;
 mod report;
 mod table;
 mod view;
@@ -21,7 +22,8 @@ use super::values;
 use super::{Failure, Globals, Outcome, named_plugins, views, write_out};
 use crate::output::whole_file;
 use crate::session_file::SceneFile;
-use entries::{Entries, EntryText};
+use entries::EntryText;
+use reference::Reference;
 use report::Report;
 use view::Comparison;
 
@@ -33,6 +35,7 @@ Examples:
   pointstage compare scan.ply --renderers hqss,hqss:filter=false --reference surfel --views orbit:8 --out apart
   pointstage compare scan.ply --renderers points:size_mode=fixed:size=3 --reference surfel --views a.json,b.json --out apart
   pointstage compare scan.ply --renderers hqss --reference surfel --json --out apart
+  pointstage compare scan.ply --renderers points,hqss --reference-images truth --views orbit:8 --out apart
 
 A renderer is NAME, or NAME:SETTING=VALUE:SETTING=VALUE. All pictures of a view have the same scene, camera, lights, size,
 exposure and background. DIR gets, for each view, reference_000.png and each renderer's hqss_000.png, its difference from
@@ -46,8 +49,11 @@ pub(crate) struct CompareArguments {
     #[arg(long, value_name = "LIST", required = true, value_delimiter = ',', value_parser = entries::entry_text)]
     renderers: Vec<EntryText>,
     /// The renderer that the others are measured by
-    #[arg(long, value_name = "RENDERER", value_parser = entries::entry_text)]
-    reference: EntryText,
+    #[arg(long, value_name = "RENDERER", value_parser = entries::entry_text, required_unless_present = "reference_images")]
+    reference: Option<EntryText>,
+    /// Folder of pictures to measure by instead: reference_000.png for the first view, and so on
+    #[arg(long, value_name = "DIR", conflicts_with = "reference")]
+    reference_images: Option<PathBuf>,
     /// Where to look from: view FILEs, or orbit:N for N views around the scene, separated by commas
     #[arg(
         long,
@@ -87,7 +93,8 @@ pub(crate) fn run(globals: &Globals, arguments: &CompareArguments) -> Outcome {
         .collect::<Outcome<Vec<_>>>()?;
     let mut stage = Stage::new(globals.stage_options())?;
     named_plugins::warn_of_unusable(&stage.registry(), globals);
-    let entries = Entries::find(&stage, &arguments.reference, &arguments.renderers)?;
+    let reference = Reference::find(&stage, arguments)?;
+    let renderers = entries::find_all(&stage, &arguments.renderers)?;
     check_size(&stage, arguments.size)?;
     let files: Vec<SceneFile> = arguments
         .files
@@ -96,7 +103,12 @@ pub(crate) fn run(globals: &Globals, arguments: &CompareArguments) -> Outcome {
         .map(SceneFile::new)
         .collect();
     let (scene, warnings) = arguments.load.load_scene(&files)?;
-    entries.check_scene(&stage, &scene)?;
+    if let Reference::Renderer { entry, .. } = &reference {
+        entry.check_scene(&stage, &scene)?;
+    }
+    renderers
+        .iter()
+        .try_for_each(|entry| entry.check_scene(&stage, &scene))?;
     let mut records = Vec::new();
     for source in &sources {
         records.extend(views::resolve(source, &scene, arguments.size, &[])?);
@@ -104,6 +116,7 @@ pub(crate) fn run(globals: &Globals, arguments: &CompareArguments) -> Outcome {
     for view in &mut records {
         [view.width, view.height] = arguments.size;
     }
+    reference.check_images(records.len(), arguments.size)?;
     std::fs::create_dir_all(&arguments.out).with_context(|| {
         format!(
             "{}: the folder cannot be made; name one in a place that may be written to",
@@ -112,7 +125,8 @@ pub(crate) fn run(globals: &Globals, arguments: &CompareArguments) -> Outcome {
     })?;
     let comparison = Comparison {
         arguments,
-        entries: &entries,
+        reference: &reference,
+        renderers: &renderers,
         scene: &Arc::new(scene),
         warnings: &warnings,
         count: records.len(),
@@ -121,7 +135,7 @@ pub(crate) fn run(globals: &Globals, arguments: &CompareArguments) -> Outcome {
     for (index, view) in records.iter().enumerate() {
         found.push(comparison.view(&mut stage, index, view)?);
     }
-    let report = Report::new(&stage, arguments, &entries, found);
+    let report = Report::new(&stage, arguments, (&reference, &renderers), found);
     let json = serde_json::to_string_pretty(&report)?;
     whole_file::write(&arguments.out.join("metrics.json"), json.as_bytes())?;
     if arguments.json {

@@ -9,7 +9,8 @@ use pointstage_scene::ViewRecord;
 use serde::Serialize;
 
 use super::CompareArguments;
-use super::entries::{Entries, Entry};
+use super::entries::Entry;
+use super::reference::Reference;
 use crate::output::record::background_text;
 
 /// Version of the form.
@@ -24,10 +25,35 @@ pub(super) struct Report {
     background: String,
     exposure: f32,
     radius_scale: f32,
-    reference: Who,
+    reference: MeasuredBy,
     device: Option<String>,
     pub(super) views: Vec<ViewReport>,
     pub(super) means: Vec<Mean>,
+}
+
+/// What the renderers are measured by.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum MeasuredBy {
+    /// Another one.
+    Renderer(Who),
+    /// Pictures in a folder.
+    Images {
+        /// As it was named.
+        images: String,
+    },
+}
+
+impl MeasuredBy {
+    /// As the command line says.
+    pub(super) fn of(reference: &Reference) -> Self {
+        match reference {
+            Reference::Renderer { entry, .. } => Self::Renderer(Who::of(entry)),
+            Reference::Images { folder, .. } => Self::Images {
+                images: folder.to_string_lossy().into_owned(),
+            },
+        }
+    }
 }
 
 /// A renderer with settings.
@@ -50,9 +76,9 @@ pub(super) struct ViewReport {
 /// The reference's picture.
 #[derive(Debug, Serialize)]
 pub(super) struct DrawnReference {
-    /// Wall time of its last frame.
-    pub(super) ms: f64,
-    /// Name of its file.
+    /// Wall time of its last frame; none if it was there already.
+    pub(super) ms: Option<f64>,
+    /// Name of its file; with its folder if it was there already.
     pub(super) picture: String,
 }
 
@@ -110,10 +136,10 @@ impl Report {
     pub(super) fn new(
         stage: &Stage,
         arguments: &CompareArguments,
-        entries: &Entries,
+        (reference, renderers): (&Reference, &[Entry]),
         found: Vec<FoundView>,
     ) -> Self {
-        let who: Vec<Who> = entries.renderers.iter().map(Who::of).collect();
+        let who: Vec<Who> = renderers.iter().map(Who::of).collect();
         let views: Vec<ViewReport> = found
             .into_iter()
             .map(|found| ViewReport {
@@ -138,7 +164,7 @@ impl Report {
             background: background_text(arguments.background),
             exposure: arguments.exposure,
             radius_scale: arguments.radius_scale,
-            reference: Who::of(&entries.reference),
+            reference: MeasuredBy::of(reference),
             device: stage.adapter().map(|adapter| adapter.name),
             means: who
                 .iter()

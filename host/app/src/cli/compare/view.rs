@@ -9,11 +9,12 @@ use pointstage_engine::metrics::{Measured, Regions, measure, silhouette};
 use pointstage_engine::stage::{FrameRequest, FrameResult, Notice, Picture, Stage, ViewportId};
 use pointstage_plugin_api::abi::Purpose;
 use pointstage_scene::{ObjectId, Scene, ViewRecord, Warnings};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::CompareArguments;
-use super::entries::{Entries, Entry};
-use super::report::{DrawnReference, Files, Found, FoundView, millis};
+use super::entries::Entry;
+use super::reference::{self, Reference};
+use super::report::{DrawnReference, Files, Found, FoundView, MeasuredBy, millis};
 use crate::cli::{Failure, Outcome, drawing};
 use crate::output::{names, png_file, record, whole_file};
 
@@ -27,8 +28,10 @@ const RENDERERS: ViewportId = ViewportId(1);
 pub(super) struct Comparison<'a> {
     /// The command line.
     pub(super) arguments: &'a CompareArguments,
-    /// Who draws.
-    pub(super) entries: &'a Entries,
+    /// What they are measured by.
+    pub(super) reference: &'a Reference,
+    /// Who is measured.
+    pub(super) renderers: &'a [Entry],
     /// What is drawn.
     pub(super) scene: &'a Arc<Scene>,
     /// What loading each object gave to say.
@@ -45,74 +48,92 @@ impl Comparison<'_> {
         index: usize,
         view: &ViewRecord,
     ) -> Outcome<FoundView> {
-        let Entries {
-            reference,
-            silhouette: key,
-            renderers,
-        } = self.entries;
-        let name = |label: &str, what: &str| {
-            format!("{label}_{}{what}.png", names::number(index, self.count))
-        };
-        let request = FrameRequest {
-            viewport: REFERENCE,
-            read_back: vec![(*key).to_owned()],
-            ..self.request(reference, view)
-        };
-        let drawn = draw(stage, reference, &request)?;
-        let plane = drawn.planes.get(*key).map(silhouette);
-        let regions = plane
-            .and_then(|covered| Regions::new(drawn.picture.size_px, &covered))
-            .ok_or_else(|| {
-                Failure::Failed(anyhow::anyhow!(
-                    "renderer '{}' gave no target '{key}' with this picture, so what it covers is unknown; choose another reference",
-                    reference.label
-                ))
-            })?;
-        let expected = rgb_of(&drawn.picture)?;
-        let path = name("reference", "");
-        self.write(&path, &expected, &self.record(stage, &request, &path))?;
-        let reference = DrawnReference {
-            ms: millis(drawn.stats.total),
-            picture: path,
-        };
-
-        let mut found = Vec::new();
-        for entry in renderers {
+        let (measure_by, reference) = self.measure_by(stage, index, view)?;
+        let found = self.renderers.iter().map(|entry| {
             let request = self.request(entry, view);
             let drawn = draw(stage, entry, &request)?;
             let picture = rgb_of(&drawn.picture)?;
-            let Measured {
-                whole,
-                interior,
-                edge,
-                flip_map,
-                difference_map,
-            } = measure(&expected, &picture, &regions)?;
-            let files = Files {
-                picture: name(&entry.label, ""),
-                flip: flip_map.as_ref().map(|_| name(&entry.label, "_flip")),
-                difference: name(&entry.label, "_difference"),
-            };
-            let record = self.record(stage, &request, &files.picture);
-            self.write(&files.picture, &picture, &record)?;
-            let difference = self.record_of_map(&record, "difference");
-            self.write(&files.difference, &difference_map, &difference)?;
-            if let (Some(path), Some(map)) = (&files.flip, &flip_map) {
-                self.write(path, map, &self.record_of_map(&record, "flip"))?;
-            }
-            found.push(Found {
+            let measured = measure(&measure_by.picture, &picture, &measure_by.regions)?;
+            let record = |name: &str| self.record(stage, &request, name);
+            let files = self.write_files(index, entry, &picture, &measured, record)?;
+            Ok(Found {
                 ms: millis(drawn.stats.total),
                 files,
-                whole,
-                interior,
-                edge,
-            });
-        }
+                whole: measured.whole,
+                interior: measured.interior,
+                edge: measured.edge,
+            })
+        });
         Ok(FoundView {
             view: *view,
+            found: found.collect::<Outcome<_>>()?,
             reference,
-            found,
         })
+    }
+
+    /// What the renderers are measured by in view `index`.
+    fn measure_by(
+        &self,
+        stage: &mut Stage,
+        index: usize,
+        view: &ViewRecord,
+    ) -> Outcome<(MeasureBy, DrawnReference)> {
+        let (entry, key) = match self.reference {
+            Reference::Renderer { entry, silhouette } => (entry, *silhouette),
+            Reference::Images { folder, background } => {
+                let path = reference::image_path(folder, index, self.count);
+                let picture = reference::read_image(&path)?;
+                let covered = Some(reference::covered(&picture, *background));
+                let drawn = DrawnReference {
+                    ms: None,
+                    picture: path.to_string_lossy().into_owned(),
+                };
+                return Ok((MeasureBy::new(picture, covered)?, drawn));
+            }
+        };
+        let request = FrameRequest {
+            viewport: REFERENCE,
+            read_back: vec![key.to_owned()],
+            ..self.request(entry, view)
+        };
+        let drawn = draw(stage, entry, &request)?;
+        let covered = drawn.planes.get(key).map(silhouette);
+        let measure_by = MeasureBy::new(rgb_of(&drawn.picture)?, covered)?;
+        let name = self.name("reference", index, "");
+        let record = self.record(stage, &request, &name);
+        self.write(&name, &measure_by.picture, &record)?;
+        let ms = Some(millis(drawn.stats.total));
+        Ok((measure_by, DrawnReference { ms, picture: name }))
+    }
+
+    /// Writes a renderer's picture and its maps. `record` says what the picture of a name is made from.
+    fn write_files(
+        &self,
+        index: usize,
+        entry: &Entry,
+        picture: &RgbImage,
+        measured: &Measured,
+        record: impl Fn(&str) -> Value,
+    ) -> Outcome<Files> {
+        let name = |what: &str| self.name(&entry.label, index, what);
+        let files = Files {
+            picture: name(""),
+            flip: measured.flip_map.as_ref().map(|_| name("_flip")),
+            difference: name("_difference"),
+        };
+        let record = record(&files.picture);
+        self.write(&files.picture, picture, &record)?;
+        let of_map = self.record_of_map(&record, "difference")?;
+        self.write(&files.difference, &measured.difference_map, &of_map)?;
+        if let (Some(name), Some(map)) = (&files.flip, &measured.flip_map) {
+            self.write(name, map, &self.record_of_map(&record, "flip")?)?;
+        }
+        Ok(files)
+    }
+
+    /// Name of a file of view `index`.
+    fn name(&self, label: &str, index: usize, what: &str) -> String {
+        format!("{label}_{}{what}.png", names::number(index, self.count))
     }
 
     /// What one of them is asked for; all else is the same for everybody.
@@ -145,17 +166,11 @@ impl Comparison<'_> {
     }
 
     /// The same for a map: what the picture is made from that it belongs to, and what it was measured by.
-    fn record_of_map(&self, record: &Value, map: &str) -> Value {
-        let Entry {
-            id,
-            version,
-            settings,
-            ..
-        } = &self.entries.reference;
+    fn record_of_map(&self, record: &Value, map: &str) -> Outcome<Value> {
         let mut record = record.clone();
         record["map"] = map.into();
-        record["reference"] = json!({ "id": id, "version": version, "settings": settings });
-        record
+        record["reference"] = serde_json::to_value(MeasuredBy::of(self.reference))?;
+        Ok(record)
     }
 
     fn write(&self, name: &str, picture: &RgbImage, record: &Value) -> Outcome {
@@ -166,6 +181,25 @@ impl Comparison<'_> {
         whole_file::write(&path, &bytes)?;
         tracing::info!("written {}", path.display());
         Ok(())
+    }
+}
+
+/// What one view's pictures are measured by.
+struct MeasureBy {
+    picture: RgbImage,
+    regions: Regions,
+}
+
+impl MeasureBy {
+    fn new(picture: RgbImage, covered: Option<Vec<bool>>) -> Outcome<Self> {
+        let size_px = picture.dimensions().into();
+        let regions = covered.and_then(|covered| Regions::new(size_px, &covered));
+        let regions = regions.ok_or_else(|| {
+            Failure::Failed(anyhow::anyhow!(
+                "the reference did not say which pixels it covers; choose another reference"
+            ))
+        })?;
+        Ok(Self { picture, regions })
     }
 }
 
