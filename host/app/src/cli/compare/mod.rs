@@ -1,8 +1,8 @@
 //! `pointstage compare`: how far renderers are from a reference, in pictures and numbers.
 //!
-//! Who draws is looked up and checked before a file is read ([`entries`], [`reference`]). Then the scene is loaded once, and
-//! each view is drawn by the reference and by every renderer, measured and written ([`view`]). What was found ends in `metrics.json`, whose
-//! form is documented in `docs/user-guide/comparing.md` ([`report`]), and in a table ([`table`]).
+//! Who draws is looked up and checked before a file is read ([`entries`], [`mod@reference`]). Then the scene is loaded once, and
+//! each view is drawn by the reference and by every renderer, measured and written ([`view`]). What was found ends in
+//! `metrics.json`, whose form is documented in `docs/user-guide/comparing.md` ([`report`]), and in a table ([`table`]).
 
 mod entries;
 mod reference;
