@@ -1,5 +1,7 @@
 //! The command line as a script meets it: exit codes, messages on standard error, results on standard output.
 
+#[path = "cli/compare.rs"]
+mod compare_command;
 #[path = "cli/session.rs"]
 mod session;
 
@@ -231,11 +233,12 @@ fn what_no_command_understands_is_a_usage_error() -> Result<()> {
 #[test]
 fn help_names_every_command_and_option_and_is_no_error() -> Result<()> {
     let shell = Shell::new()?;
-    let cases: [(&str, &[&str]); 5] = [
+    let cases: [(&str, &[&str]); 6] = [
         (
             "--help",
             &[
                 "render",
+                "compare",
                 "info",
                 "plugins",
                 "--backend",
@@ -256,6 +259,10 @@ fn help_names_every_command_and_option_and_is_no_error() -> Result<()> {
                 "--out",
                 "Examples",
             ],
+        ),
+        (
+            "compare --help",
+            &["--renderers", "--reference", "--views", "Examples"],
         ),
         ("info --help", &["--json", "Examples"]),
         (

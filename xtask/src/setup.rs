@@ -9,7 +9,7 @@ use std::process::Command;
 
 use crate::{Outcome, paths, process};
 
-/// What the work ahead asks of the machine beyond a Vulkan driver.
+/// What the work ahead asks of the machine beyond what building and drawing take.
 #[derive(Clone, Copy)]
 pub(crate) struct Needs {
     /// A window will be opened.
@@ -41,6 +41,17 @@ const fn library(name: &'static str, debian_package: &'static str) -> Need {
         debian_package,
     }
 }
+
+/// What the build itself takes beside the Rust toolchain and its C compiler: one dependency is in C++17. Windows has its
+/// compiler where no path leads.
+#[cfg(not(windows))]
+const BUILDING: &[Need] = &[Need {
+    what: "a C++ compiler",
+    look: Look::Program("c++"),
+    debian_package: "g++",
+}];
+#[cfg(windows)]
+const BUILDING: &[Need] = &[];
 
 const DRAWING: &[Need] = &[
     library("libvulkan.so.1", "libvulkan1"),
@@ -81,7 +92,7 @@ const TESTS: &[Need] = &[
 /// When something is missing that could not be installed; the message says what, and how to get it.
 pub(crate) fn set_up(needs: Needs) -> Outcome {
     process::say("checking what the machine has");
-    let mut wanted: Vec<&Need> = DRAWING.iter().collect();
+    let mut wanted: Vec<&Need> = BUILDING.iter().chain(DRAWING).collect();
     if needs.window || needs.tests {
         wanted.extend(WINDOW);
     }
@@ -103,7 +114,7 @@ pub(crate) fn set_up(needs: Needs) -> Outcome {
     process::say(&format!("missing: {names}"));
     if !cfg!(target_os = "linux") {
         return Err(format!(
-            "this machine lacks {names}; install a graphics driver with Vulkan, Metal or Direct3D 12"
+            "this machine lacks {names}; install your system's C++ compiler, and a graphics driver with Vulkan, Metal or Direct3D 12"
         ));
     }
     if process::output(Command::new("apt-get").arg("--version")).is_none() {

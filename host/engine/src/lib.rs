@@ -4,5 +4,6 @@
 pub mod device;
 pub mod frame;
 pub mod gpu;
+pub mod metrics;
 pub mod plugins;
 pub mod stage;

@@ -3,6 +3,8 @@
 //! [`Arguments`] is what clap reads; [`run`] hands it to the command. Results go to standard output, everything else to
 //! standard error. Exit codes: 0 done, 1 failed, 2 used wrongly ([`failure`]).
 
+mod compare;
+mod drawing;
 mod failure;
 mod globals;
 mod info;
@@ -12,6 +14,7 @@ mod plugins;
 mod render;
 mod stdout;
 pub(crate) mod values;
+mod views;
 
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
@@ -43,6 +46,8 @@ Examples:
   pointstage scan.ply                                           look at a scan
   pointstage work.pointstage.toml                               go on with a saved session
   pointstage render scan.ply --renderer surfel --out scan.png   draw it without a window
+  pointstage compare scan.ply --renderers points,hqss --reference surfel --out apart
+                                                                how far renderers are from one of them
   pointstage info scan.ply                                      what is in the file
   pointstage plugins list                                       which renderers there are
 
@@ -50,13 +55,15 @@ Exit codes: 0 done, 1 failed, 2 used wrongly.
 A file that is named like a command is opened as ./render.";
 
 /// The commands' names.
-const COMMANDS: [&str; 3] = ["render", "info", "plugins"];
+const COMMANDS: [&str; 4] = ["render", "compare", "info", "plugins"];
 
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Draw files to pictures, without a window
     Render(Box<render::RenderArguments>),
+    /// Draw files with several renderers and measure how far each is from a reference
+    Compare(Box<compare::CompareArguments>),
     /// Say what is in files
     Info(info::InfoArguments),
     /// List or examine plugins
@@ -81,6 +88,7 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
             files[0].display()
         ))),
         Some(Command::Render(render)) => render::run(&globals, &render),
+        Some(Command::Compare(compare)) => compare::run(&globals, &compare),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Plugins(plugins)) => plugins::run(&globals, &plugins),
     }

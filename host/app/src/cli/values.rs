@@ -113,6 +113,18 @@ pub(crate) fn background(text: &str) -> Result<Background, String> {
     }
 }
 
+/// A background that hides what is behind: `#rrggbb`, or `#rrggbb,#rrggbb` from top to bottom.
+pub(crate) fn opaque_background(text: &str) -> Result<Background, String> {
+    let form = "expected a colour '#rrggbb', or two from top to bottom '#rrggbb,#rrggbb'";
+    match background(text) {
+        Ok(Background::Transparent) => Err(format!(
+            "pictures are compared over one opaque background; {form}"
+        )),
+        Ok(background) => Ok(background),
+        Err(_) => Err(form.to_owned()),
+    }
+}
+
 /// `#rrggbb` as sRGB, 0..1.
 fn hex_colour(text: &str) -> Option<[f32; 3]> {
     let digits = text.trim().trim_start_matches('#');
@@ -169,6 +181,20 @@ mod tests {
         for bad in ["red", "#12345", "#1,#2", "#ééé", "#000000,#000000,#000000"] {
             assert!(background(bad).is_err(), "{bad} was taken");
         }
+    }
+
+    #[test]
+    fn an_opaque_background_is_a_colour_or_two() {
+        assert_eq!(
+            opaque_background("#ffffff").map(background_text).as_deref(),
+            Ok("#ffffff")
+        );
+        let error = opaque_background("transparent").expect_err("not opaque");
+        assert!(
+            error.contains("opaque") && error.contains("#rrggbb"),
+            "{error}"
+        );
+        assert!(opaque_background("red").is_err());
     }
 
     #[test]

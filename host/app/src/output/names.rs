@@ -8,14 +8,19 @@ pub(crate) fn for_view(path: &Path, index: usize, count: usize) -> PathBuf {
     if count == 1 {
         return path.to_path_buf();
     }
-    let digits = (count - 1).to_string().len().max(3);
     let mut name = path.file_stem().unwrap_or_default().to_os_string();
-    name.push(format!("_{index:0digits$}"));
+    name.push(format!("_{}", number(index, count)));
     if let Some(extension) = path.extension() {
         name.push(".");
         name.push(extension);
     }
     path.with_file_name(name)
+}
+
+/// The number of view `index` of `count`, at least three digits and as many as the last one has.
+pub(crate) fn number(index: usize, count: usize) -> String {
+    let digits = count.saturating_sub(1).to_string().len().max(3);
+    format!("{index:0digits$}")
 }
 
 #[cfg(test)]

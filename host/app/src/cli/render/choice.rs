@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use pointstage_engine::plugins::{PluginInfo, suitability};
 use pointstage_engine::stage::{FALLBACK_ID, FrameRequest, Show, Stage};
-use pointstage_plugin_api::nearest::{did_you_mean, nearest_names};
-use pointstage_plugin_api::settings_schema::{SettingSchema, SettingValues, ValueError};
+use pointstage_plugin_api::settings_schema::SettingValues;
 use pointstage_scene::{Scene, ViewRecord};
 
 use super::RenderArguments;
 use super::plan::Plan;
+use crate::cli::drawing::{self, find_setting, no_target};
 use crate::cli::values::AovFormat;
 use crate::cli::{Failure, Outcome};
 
@@ -28,10 +28,10 @@ impl Choice {
     pub(super) fn new(stage: &Stage, arguments: &RenderArguments, plan: &Plan) -> Outcome<Self> {
         let registry = stage.registry();
         let key = arguments.renderer.as_ref().or(plan.renderers.main.as_ref());
-        let is_fallback = key.is_some_and(|key| key == FALLBACK_ID || key == "fallback");
+        let is_fallback = key.is_some_and(|key| drawing::is_fallback(key));
         let renderer = match (&arguments.renderer, &plan.renderers.main) {
             _ if is_fallback => None,
-            (Some(key), _) => Some(registry.find_renderer(key).map_err(Failure::usage_from)?),
+            (Some(key), _) => drawing::find_renderer(&registry, key)?,
             (None, Some(key)) => registry
                 .find_renderer(key)
                 .map_err(|error| {
@@ -134,24 +134,17 @@ fn values_of(
     given: &[(String, String)],
     plan: &Plan,
 ) -> Outcome<SettingValues> {
-    let schema: &[SettingSchema] = info.map_or(&[], |info| &info.entry.settings);
-    let find = |id: &str| {
-        let setting = schema.iter().find(|setting| setting.id == id);
-        setting.ok_or_else(|| ValueError::unknown(id, schema))
-    };
+    let schema = drawing::schema(info);
     let mut values = SettingValues::new();
     for (id, value) in info.into_iter().flat_map(|info| plan.settings_of(&info.id)) {
-        match find(id).and_then(|setting| setting.check(value)) {
+        match find_setting(schema, id).and_then(|setting| setting.check(value)) {
             Ok(value) => {
                 values.insert(id.clone(), value);
             }
             Err(error) => plan.warn(&format!("{error}; the default is taken")),
         }
     }
-    for (id, text) in given {
-        let value = find(id).and_then(|setting| setting.parse_text(text));
-        values.insert(id.clone(), value.map_err(Failure::usage_from)?);
-    }
+    drawing::set_values(&mut values, schema, given).map_err(Failure::usage_from)?;
     Ok(values)
 }
 
@@ -179,13 +172,4 @@ pub(super) fn check_targets(
         }
     }
     Ok(())
-}
-
-/// The renderer writes no such target.
-pub(super) fn no_target(renderer: &str, key: &str, given: &[&str]) -> Failure {
-    let near = did_you_mean(&nearest_names(key, given));
-    Failure::usage(format!(
-        "renderer '{renderer}' writes no target '{key}'{near} (it writes {})",
-        given.join(", ")
-    ))
 }

@@ -4,18 +4,16 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use pointstage_engine::stage::{
-    FrameError, FrameRequest, FrameResult, FrameStats, Notice, Severity, Show, Stage,
-};
+use pointstage_engine::stage::{FrameError, FrameRequest, FrameStats, Show, Stage};
 use pointstage_scene::{Job, ObjectId, ViewRecord, Warnings};
 use serde_json::{Value, json};
 
 use super::RenderArguments;
-use super::choice::no_target;
 use crate::cli::Outcome;
+use crate::cli::drawing::{draw_finished, no_target, say, write_png};
 use crate::cli::values::{AovFile, AovFormat};
 use crate::output::export::{Export, ExportError, Exporting, Format, LARGE_TILE_PX, Saved};
-use crate::output::{exr_file, file_values, names, png_file, record, whole_file};
+use crate::output::{exr_file, file_values, names, record, whole_file};
 
 /// Where a view stands among the views, and so what its files are called.
 pub(super) struct Place<'a> {
@@ -98,13 +96,13 @@ impl Place<'_> {
         }))
     }
 
-    /// Draws each file of a view by itself, in tiles where it is larger than what the device draws at once.
     /// What the picture is made from, so that it can be made again.
     fn record_of(&self, request: &FrameRequest) -> Value {
         let out = self.file(&self.arguments.out);
         record::of_frame(request, self.warnings, &out)
     }
 
+    /// Draws each file of a view by itself, in tiles where it is larger than what the device draws at once.
     fn export(
         &self,
         stage: &mut Stage,
@@ -173,43 +171,6 @@ fn save(stage: &mut Stage, export: Export) -> Outcome<Saved> {
                 return Err(no_target(&renderer, &key, &given));
             }
             Err(error) => return Err(error.into()),
-        }
-    }
-}
-
-/// Says a notice on standard error.
-fn say(notice: &Notice) {
-    let word = match notice.severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-        Severity::Info => "note",
-    };
-    if notice.plugin.is_empty() {
-        eprintln!("{word}: {}", notice.text);
-    } else {
-        eprintln!("{word}: {}: {}", notice.plugin, notice.text);
-    }
-}
-
-fn write_png(path: &Path, result: &FrameResult, record: &Value) -> Outcome {
-    let bytes = png_file::encode(result.picture.size_px, &result.picture.rgba, record)?;
-    Ok(whole_file::write(path, &bytes)?)
-}
-
-/// Draws until the picture does not refine any more; notices go to standard error.
-fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResult> {
-    loop {
-        let result = stage.frame(request).map_err(|error| match error {
-            FrameError::NoTarget {
-                renderer,
-                key,
-                given,
-            } => no_target(&renderer, &key, &given.split(", ").collect::<Vec<_>>()),
-            other => other.into(),
-        })?;
-        result.notices.iter().for_each(say);
-        if result.progress >= 1.0 {
-            return Ok(result);
         }
     }
 }

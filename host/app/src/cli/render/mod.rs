@@ -7,13 +7,11 @@ mod choice;
 mod files;
 mod plan;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
 use pointstage_engine::stage::{Background, Stage};
-use pointstage_plugin_api::nearest::{did_you_mean, nearest_names};
-use pointstage_scene::{ViewRecordError, ViewSourceError};
 
 use super::load::LoadArguments;
 use super::values::{self, AovFile};
@@ -112,7 +110,7 @@ pub(crate) fn run(globals: &Globals, arguments: &RenderArguments) -> Outcome {
     if let Ok(info) = stage.registry().find_renderer(&renderer) {
         check_targets(&info, arguments, &plan.look.show)?;
     }
-    let views = plan.views(&scene, arguments.size).map_err(view_failure)?;
+    let views = plan.views(&scene, arguments.size)?;
     let mut written = Vec::new();
     for (index, view) in views.iter().enumerate() {
         let request = choice.request(&scene, view, renderer.clone(), arguments, &plan);
@@ -153,37 +151,4 @@ impl RenderArguments {
         }
         Ok(())
     }
-}
-
-/// A view that cannot be had: a file that cannot be read is no wrong use.
-fn view_failure(error: ViewSourceError) -> Failure {
-    match error {
-        ViewSourceError::Record { path, source } => {
-            let near = match source {
-                ViewRecordError::Io { .. } => did_you_mean(&neighbours_like(&path)),
-                _ => String::new(),
-            };
-            let error = ViewSourceError::Record { path, source };
-            Failure::Failed(anyhow::anyhow!("{error}{near}"))
-        }
-        other => Failure::usage_from(other),
-    }
-}
-
-/// View files beside `path` whose names resemble its name.
-fn neighbours_like(path: &Path) -> Vec<String> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let name_of = |path: &Path| Some(path.file_name()?.to_string_lossy().into_owned());
-    let entries = std::fs::read_dir(folder).into_iter().flatten();
-    let names = entries.filter_map(|entry| {
-        let path = entry.ok()?.path();
-        let is_view = path
-            .extension()
-            .is_some_and(|extension| extension == "json");
-        is_view.then(|| name_of(&path)).flatten()
-    });
-    name_of(path).map_or_else(Vec::new, |name| nearest_names(&name, names))
 }

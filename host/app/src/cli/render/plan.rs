@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use pointstage_engine::stage::{SettingValue, SettingValues};
-use pointstage_scene::{Lights, Scene, ViewRecord, ViewSource, ViewSourceError};
+use pointstage_scene::{Lights, Scene, ViewRecord, ViewSource};
 
 use super::RenderArguments;
-use crate::cli::{Failure, Outcome};
+use crate::cli::{Outcome, views};
 use crate::session_file::{Renderers, SceneFile, SessionFile, SessionFileError};
 use crate::toml_form::{Look, show_from_key};
 
@@ -49,23 +49,11 @@ impl Plan {
         let stored = session
             .as_ref()
             .map_or_else(Vec::new, SessionFile::command_views);
-        let names = stored.iter().map(|(name, _)| name.as_str());
         let named = match (&arguments.view, &session) {
-            (Some(text), _) => Some(ViewSource::parse(text, names)),
+            (Some(text), _) => Some(views::parse(text, &stored)?),
             (None, Some(_)) => None,
-            (None, None) => Some(Ok(ViewSource::Orbit(1))),
+            (None, None) => Some(ViewSource::Orbit(1)),
         };
-        let named = named.transpose().map_err(Failure::usage_from)?;
-        if let Some(ViewSource::Stored(name)) = &named
-            && !stored.iter().any(|(stored_name, _)| stored_name == name)
-        {
-            let name = name.clone();
-            let stored = stored.into_iter().map(|(name, _)| name).collect();
-            return Err(Failure::usage_from(ViewSourceError::NotStored {
-                name,
-                stored,
-            }));
-        }
         let session = session.unwrap_or_else(|| {
             SessionFile::new(ViewRecord::new(
                 pointstage_scene::Camera::default(),
@@ -104,16 +92,12 @@ impl Plan {
     }
 
     /// The views, in the size that was asked for.
-    pub(super) fn views(
-        &self,
-        scene: &Scene,
-        size: Option<[u32; 2]>,
-    ) -> Result<Vec<ViewRecord>, ViewSourceError> {
+    pub(super) fn views(&self, scene: &Scene, size: Option<[u32; 2]>) -> Outcome<Vec<ViewRecord>> {
         let mut views = match &self.view {
             Sight::Session(view) => vec![*view],
             Sight::Named(source) => {
                 let size_px = size.or(self.size).unwrap_or(DEFAULT_SIZE);
-                source.resolve(&scene.bounds_world(), size_px, &self.stored)?
+                views::resolve(source, scene, size_px, &self.stored)?
             }
         };
         if let Some([width, height]) = size {
