@@ -43,6 +43,9 @@ const NORMAL_SUMS: Blend = Blend {
     alpha: Blend::both(BlendFactor::ONE, BlendFactor::ONE, BlendOperation::MAX).alpha,
 };
 
+/// Feature of devices that add up 64 bits at once.
+const ADDS_64: &str = "shader-int64-atomic-all-ops";
+
 /// The pipelines.
 pub(crate) struct Passes {
     pub(crate) visibility: Prepared,
@@ -136,8 +139,13 @@ impl Passes {
     /// The attribute pass of the compute path.
     pub(crate) fn compute(&self, features: &[&'static str]) -> Result<Kernels> {
         cached(&self.compute, features.to_vec(), || {
+            let adds = self
+                .visibility
+                .gpu
+                .has_feature(ADDS_64)
+                .then_some("int64_add");
             let wide = self.visibility.is_wide().then_some("wide");
-            let features: Vec<_> = features.iter().copied().chain(wide).collect();
+            let features: Vec<_> = features.iter().copied().chain(adds).chain(wide).collect();
             let wgsl = link_compute(&features).map_err(Error::failed)?;
             let shader = self.shader("attribute kernels", &wgsl)?;
             let names = ["attributes_compute", "attributes_compute_large"];

@@ -44,7 +44,7 @@ fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
 fn the_attribute_and_shading_passes_validate() {
     for features in FEATURES {
         validated("attributes, raster", &link_raster(features).unwrap());
-        for wide in [&[][..], &["wide"]] {
+        for wide in [&[][..], &["wide"], &["wide", "int64_add"]] {
             let features = [features, wide].concat();
             validated("attributes, compute", &link_compute(&features).unwrap());
         }
