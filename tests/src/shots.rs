@@ -25,7 +25,9 @@ pub type Setting = (&'static str, SettingValue);
 /// When the plugins were not built.
 pub fn stage() -> Option<MutexGuard<'static, Stage>> {
     static STAGE: OnceLock<Mutex<Stage>> = OnceLock::new();
-    let open = || Mutex::new(stages::stage(&["points", "surfel", "hqss"]).expect("a stage"));
+    let open = || {
+        Mutex::new(stages::stage(&["points", "surfel", "hqss", "ewa_reference"]).expect("a stage"))
+    };
     let stage = STAGE.get_or_init(open);
     let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(why) = stage.no_device() {
@@ -79,14 +81,19 @@ pub fn choice(id: &str) -> SettingValue {
     SettingValue::Choice(id.to_owned())
 }
 
-/// Draws.
+/// Draws, until the picture refines no more.
 ///
 /// # Panics
 /// When the frame fails.
 pub fn draw(stage: &mut Stage, request: &FrameRequest) -> FrameResult {
-    stage
-        .frame(request)
-        .unwrap_or_else(|error| panic!("{}: {error}", request.renderer))
+    loop {
+        let result = stage
+            .frame(request)
+            .unwrap_or_else(|error| panic!("{}: {error}", request.renderer));
+        if result.progress >= 1.0 {
+            return result;
+        }
+    }
 }
 
 /// Draws by both paths: raster, compute.
@@ -102,6 +109,19 @@ pub fn both_paths(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 2]
         assert_eq!(taken, Some(&number), "0 is raster, 1 compute");
         result
     })
+}
+
+/// Draws a request of `hqss` by both of its paths, and what its settings mean to `ewa-reference`.
+///
+/// # Panics
+/// When a frame fails, or the renderer takes another path.
+pub fn blended(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 3] {
+    let [raster, compute] = both_paths(stage, request);
+    let reference = FrameRequest {
+        renderer: "ewa-reference".to_owned(),
+        ..request.clone()
+    };
+    [raster, compute, draw(stage, &reference)]
 }
 
 /// The same picture drawn in tiles of at most `tile_px`, and put together again: its colours, straight RGBA.

@@ -103,7 +103,10 @@ fn both_paths_of_hqss_agree() {
             .count();
         assert!(covered > 10_000, "{covered} pixels, {settings:?}");
         let db = psnr(&raster, &compute);
-        assert!(db >= 50.0, "{db:.1} dB, {settings:?}");
+        // Flat normals show which splat is nearest, as surfel does: where two are equally near, rounding decides.
+        let is_flat = settings.contains(&("shading", choice("flat")));
+        let least = if is_flat { 45.0 } else { 50.0 };
+        assert!(db >= least, "{db:.1} dB, {settings:?}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! What blended splats owe: means that stay means however many splats meet, one picture in any order, weights by their closed
+//! What blended splats owe, by `hqss` and by `ewa-reference`: means that stay means however many splats meet, one picture in any order, weights by their closed
 //! form, surfaces without holes, and numbers that are numbers whatever comes in.
 
 use std::collections::VecDeque;
@@ -11,7 +11,7 @@ use pointstage_plugin_api::columns::TangentAxes;
 use pointstage_scene::{Camera, Object, Scene};
 use pointstage_tests::models::{Random, Surfel, ball, coloured, object};
 use pointstage_tests::shots::{
-    NEAR, SIZE_PX, Setting, both_paths, choice, draw, floats, orthographic, perspective, psnr,
+    NEAR, SIZE_PX, Setting, blended, choice, draw, floats, orthographic, perspective, psnr,
     request, stage,
 };
 
@@ -67,7 +67,7 @@ fn a_mean_of_random_colours_stays_their_mean_up_to_fifty_thousand_splats_a_pixel
     for height_px in [200.0, 40.0, 8.0, 1.4] {
         let height = f64::from(SIZE_PX[1]) / height_px;
         let camera = orthographic(DVec3::new(0.001, 0.002, 3.0), height);
-        for result in both_paths(&mut stage, &hqss(&scene, camera, &settings)) {
+        for result in blended(&mut stage, &hqss(&scene, camera, &settings)) {
             let [red, coverage] = red_and_coverage(&result);
             assert!(coverage > 0.0, "nothing at {height_px} px");
             let found = red / coverage;
@@ -92,10 +92,7 @@ fn the_order_of_the_surfels_changes_nothing() {
     let camera = perspective(DVec3::new(0.5, 0.7, 3.0));
     let [first, second] =
         [surfels, shuffled].map(|surfels| hqss(&scene_of(object("ball", &surfels)), camera, &[]));
-    let (first, second) = (
-        both_paths(&mut stage, &first),
-        both_paths(&mut stage, &second),
-    );
+    let (first, second) = (blended(&mut stage, &first), blended(&mut stage, &second));
     for (first, second) in first.iter().zip(&second) {
         let pairs = first.picture.rgba.iter().zip(second.picture.rgba.iter());
         let most = pairs.map(|(a, b)| a.abs_diff(*b)).max();
@@ -104,12 +101,12 @@ fn the_order_of_the_surfels_changes_nothing() {
 }
 
 /// Sum of the `weight` target.
-fn weight_of(stage: &mut Stage, surfels: &[Surfel], settings: &[Setting]) -> [f64; 2] {
+fn weight_of(stage: &mut Stage, surfels: &[Surfel], settings: &[Setting]) -> [f64; 3] {
     let scene = scene_of(object("splats", surfels));
     let camera = orthographic(DVec3::new(0.0, 0.0, 3.0), 2.0);
     let mut request = hqss(&scene, camera, settings);
     request.read_back.push("weight".to_owned());
-    both_paths(stage, &request).map(|result| {
+    blended(stage, &request).map(|result| {
         floats(&result, "weight")
             .iter()
             .copied()
@@ -218,7 +215,7 @@ fn a_closed_surface_has_no_holes_at_any_distance_and_size() {
         let mut request = hqss(&scene, perspective(eye), &[]);
         for size_px in [SIZE_PX, [157, 121]] {
             request.size_px = size_px;
-            for result in both_paths(&mut stage, &request) {
+            for result in blended(&mut stage, &request) {
                 assert_eq!(holes(&result), 0, "from {distance} at {size_px:?}");
             }
         }
@@ -296,7 +293,7 @@ fn no_target_ever_holds_what_is_no_number() {
                     let mut request = hqss(&scene, camera, &settings);
                     request.size_px = size_px;
                     request.read_back.push("weight".to_owned());
-                    for result in both_paths(&mut stage, &request) {
+                    for result in blended(&mut stage, &request) {
                         assert_numbers(&format!("{name}, {size_px:?}, filter {filter}"), &result);
                     }
                 }
@@ -312,7 +309,7 @@ fn depth_is_that_of_the_surface_and_not_pushed() {
     let scene = scene_of(object("square", &surfels));
     let distance = 2.5;
     let request = hqss(&scene, perspective(DVec3::new(0.0, 0.0, distance)), &[]);
-    for result in both_paths(&mut stage, &request) {
+    for result in blended(&mut stage, &request) {
         let depths = floats(&result, "depth");
         let middle = depths[depths.len() / 2 + SIZE_PX[0] as usize / 2];
         let found = NEAR / f64::from(middle);

@@ -73,6 +73,11 @@ fn blended_splats_draw_as_before() -> Result<()> {
 }
 
 #[test]
+fn the_reference_draws_as_before() -> Result<()> {
+    check("ewa_reference", "ewa-reference", &[])
+}
+
+#[test]
 fn disks_draw_as_before() -> Result<()> {
     check("surfel", "surfel", &[])
 }

@@ -95,6 +95,14 @@ fn every_renderer_draws_in_tiles_what_it_draws_at_once() {
 }
 
 #[test]
+fn the_reference_draws_in_tiles_what_it_draws_at_once() {
+    let Some(mut stage) = stage() else { return };
+    for (what, request) in requests(&mut stage, "ewa-reference") {
+        assert_tiles_match(&mut stage, &what, &request);
+    }
+}
+
+#[test]
 fn the_built_in_renderer_draws_in_tiles_what_it_draws_at_once() {
     let options = StageOptions {
         use_device: false,
@@ -109,7 +117,7 @@ fn the_built_in_renderer_draws_in_tiles_what_it_draws_at_once() {
 #[test]
 fn all_targets_come_with_the_picture_and_a_pick_finds_the_same_surfel_in_a_tile() {
     let Some(mut stage) = stage() else { return };
-    for renderer in ["points", "surfel", "hqss", FALLBACK_ID] {
+    for renderer in ["points", "surfel", "hqss", "ewa-reference", FALLBACK_ID] {
         let camera = perspective(DVec3::new(0.0, 0.0, 3.0));
         let mut request = FrameRequest::still(scene(), camera, SIZE_PX, renderer);
         request.read_back = draw(&mut stage, &request).available_targets;
