@@ -93,7 +93,7 @@ const COMPARISONS: &[Comparison] = &[
         name: "filter",
         title: "A checkerboard of surfels at a grazing angle, against splats without filter, 16 samples a pixel",
         reference: "ewa-reference:samples=4:filter=false",
-        renderers: "hqss,hqss:filter=false",
+        renderers: "hqss,hqss:filter=false,ewa-reference",
         models: &[BOARD],
         distances: &[NEAR, MIDDLE, FAR],
     },
@@ -286,10 +286,9 @@ fn section(comparison: &Comparison, rows: &[Row], skipped: &[&str]) -> String {
         table::markdown(rows)
     );
     if !skipped.is_empty() {
-        text.push_str(&format!(
-            "\nSkipped, since the shared test data folder has no such file: {}.\n",
-            skipped.join(", ")
-        ));
+        let skipped = skipped.join(", ");
+        let why = "Skipped, since the shared test data folder has no such file: ";
+        text.extend(["\n", why, &skipped, ".\n"]);
     }
     text
 }

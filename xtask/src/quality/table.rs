@@ -92,7 +92,7 @@ pub(super) fn markdown(rows: &[Row]) -> String {
         format!("{}{end}|", "-".repeat(width + 1))
     });
     let mut text = line(&cells[0]);
-    text.push_str(&format!("|{}\n", rule.collect::<String>()));
+    text.extend(["|", &rule.collect::<String>(), "\n"]);
     text.extend(cells[1..].iter().map(line));
     text
 }
