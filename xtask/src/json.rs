@@ -1,9 +1,10 @@
-//! As much JSON as it takes to read what the program says about its plugins.
+//! As much JSON as it takes to read what the program says about its plugins, its pictures and its comparisons.
 
-/// A JSON value; numbers, `true`, `false` and `null` are of no use here and keep no value.
+/// A JSON value; `true`, `false` and `null` keep their word.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Value {
-    Other,
+    Word(String),
+    Number(f64),
     Text(String),
     List(Vec<Value>),
     Object(Vec<(String, Value)>),
@@ -18,15 +19,47 @@ impl Value {
         reader.rest.is_empty().then_some(value)
     }
 
-    /// The text under `key`, when this is an object that has one.
-    pub(crate) fn text(&self, key: &str) -> Option<&str> {
+    /// The value under `key`, when this is an object that has one.
+    pub(crate) fn get(&self, key: &str) -> Option<&Self> {
         let Self::Object(entries) = self else {
             return None;
         };
-        entries.iter().find_map(|(name, value)| match value {
-            Self::Text(text) if name == key => Some(text.as_str()),
+        let mut named = entries.iter().filter(|(name, _)| name == key);
+        named.next().map(|(_, value)| value)
+    }
+
+    /// The text under `key`.
+    pub(crate) fn text(&self, key: &str) -> Option<&str> {
+        match self.get(key)? {
+            Self::Text(text) => Some(text),
             _ => None,
-        })
+        }
+    }
+
+    /// The number under `key`.
+    pub(crate) fn number(&self, key: &str) -> Option<f64> {
+        self.get(key)?.as_number()
+    }
+
+    /// Whether `true` is under `key`.
+    pub(crate) fn is_true(&self, key: &str) -> bool {
+        matches!(self.get(key), Some(Self::Word(word)) if word == "true")
+    }
+
+    /// The number, when this is one.
+    pub(crate) fn as_number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// The items of a list; none of anything else.
+    pub(crate) fn items(&self) -> &[Self] {
+        match self {
+            Self::List(items) => items,
+            _ => &[],
+        }
     }
 
     /// This value and all values inside it, in the document's order.
@@ -37,7 +70,7 @@ impl Value {
             Self::Object(entries) => {
                 found.extend(entries.iter().flat_map(|(_, value)| value.all()));
             }
-            Self::Other | Self::Text(_) => {}
+            Self::Word(_) | Self::Number(_) | Self::Text(_) => {}
         }
         found
     }
@@ -61,9 +94,10 @@ impl Reader<'_> {
                     .unwrap_or(self.rest.len());
                 let (word, rest) = self.rest.split_at(end);
                 self.rest = rest;
-                let known =
-                    matches!(word, "true" | "false" | "null") || word.parse::<f64>().is_ok();
-                known.then_some(Value::Other)
+                match word {
+                    "true" | "false" | "null" => Some(Value::Word(word.to_owned())),
+                    _ => word.parse().ok().map(Value::Number),
+                }
             }
         }
     }
@@ -153,6 +187,18 @@ mod tests {
             .filter_map(|value| value.text("id"))
             .collect();
         assert_eq!(ids, ["z", "x\"y"]);
+    }
+
+    #[test]
+    fn values_are_found_by_their_keys() {
+        let value = Value::parse(r#"{"a": [1, -2.5e3], "b": true, "c": {"d": 7}, "e": null}"#)
+            .expect("well formed");
+        let list = value.get("a").expect("a list");
+        let numbers: Vec<_> = list.items().iter().map(Value::as_number).collect();
+        assert_eq!(numbers, [Some(1.0), Some(-2500.0)]);
+        assert!(value.is_true("b") && !value.is_true("e"));
+        assert_eq!(value.get("c").and_then(|c| c.number("d")), Some(7.0));
+        assert_eq!(value.number("e"), None);
     }
 
     #[test]

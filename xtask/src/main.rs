@@ -1,4 +1,5 @@
-//! The repository's own commands: `cargo xtask run`, `test`, `bless`, `pictures`, `sample`, `bench`.
+//! The repository's own commands: `cargo xtask run`, `test`, `bless`, `pictures`, `sample`, `bench`,
+//! `quality`.
 //!
 //! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
 //! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate, so that
@@ -14,6 +15,7 @@ mod json;
 mod paths;
 mod pictures;
 mod process;
+mod quality;
 mod run;
 mod sample;
 mod setup;
@@ -35,6 +37,8 @@ Usage: cargo xtask COMMAND
   sample [--surfels N] [--out FILE]
                                  make the procedural sample anew
   bench [NAME...] [-- ARGUMENTS] run the benchmarks (all, or those of these names); ARGUMENTS go to them
+  quality [OUT]                  compare the renderers with exact pictures on many scenes; a table and all pictures go to OUT,
+                                 target/quality unless given
 ";
 
 fn main() -> ExitCode {
@@ -50,6 +54,7 @@ fn main() -> ExitCode {
         "pictures" => pictures::pictures(rest),
         "sample" => sample::sample(rest),
         "bench" => bench::bench(rest),
+        "quality" => quality::quality(rest),
         "help" | "--help" | "-h" => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -25,6 +25,15 @@ pub(crate) fn sample() -> PathBuf {
     root().join("sample-data").join("bust_200k.ply")
 }
 
+/// The file `path` of the shared test data folder, if it is there: the folder that the environment variable
+/// `POINTSTAGE_TEST_DATA` names, or `../shared/data` beside the checkout, as for the tests.
+pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("POINTSTAGE_TEST_DATA")
+        .map_or_else(|| root().join("../shared/data"), PathBuf::from);
+    let file = std::path::absolute(folder.join(path)).ok()?;
+    file.is_file().then_some(file)
+}
+
 /// `path` as a person would type it: relative to the current folder where it lies below it.
 pub(crate) fn shown(path: &std::path::Path) -> String {
     let relative = std::env::current_dir()

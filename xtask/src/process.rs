@@ -17,6 +17,13 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// Git, to be run in the repository's root.
+pub(crate) fn git(arguments: &[&str]) -> Command {
+    let mut command = Command::new("git");
+    command.args(arguments).current_dir(paths::root());
+    command
+}
+
 /// Runs `command` to its end with this terminal's input and output; `what` names it in the error.
 pub(crate) fn run(what: &str, command: &mut Command) -> Outcome {
     let status = command

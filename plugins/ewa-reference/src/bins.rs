@@ -116,7 +116,7 @@ impl Bins {
         let own = &self.ordinals[self.starts[tile]..self.starts[tile + 1]];
         let mut list = [own, &self.everywhere].concat();
         // Both halves are sorted.
-        list.sort();
+        list.sort_unstable();
         list
     }
 }

@@ -93,7 +93,7 @@ fn without_a_filter_the_weight_is_the_gaussian_in_the_plane() {
     let (centre, axes) = tilted();
     for (u, v) in [(0.0, 0.0), (0.3, -0.5), (-0.9, 0.1), (0.6, 0.7)] {
         let at = camera.pixel_from_clip(camera.clip_from_view(centre + axes.u * u + axes.v * v));
-        let expected = (-2.0 * (u * u + v * v) as f64).exp();
+        let expected = (-2.0_f64 * (u * u + v * v)).exp();
         let share = footprint.share(at).expect("inside the disk");
         assert!((share.weight - expected).abs() < 1e-9 && share.coverage == 1.0);
         let clip = camera.clip_from_view(centre + axes.u * u + axes.v * v);

@@ -50,7 +50,8 @@ pub(crate) struct Part<'a> {
 
 /// All that is drawn.
 pub(crate) struct Parts<'a> {
-    parts: Vec<Part<'a>>,
+    /// By their first ordinals.
+    ordered: Vec<Part<'a>>,
     count: u32,
     /// The samples' camera: lengths on its screen are in samples.
     pub(crate) camera: Camera,
@@ -61,6 +62,10 @@ pub(crate) struct Parts<'a> {
 }
 
 /// A primitive on the screen.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are splats, and a box would be an allocation for each"
+)]
 pub(crate) enum Shape {
     Splat(Footprint),
     Triangle(Box<Triangle>),
@@ -167,7 +172,7 @@ impl<'a> Parts<'a> {
         camera.tile_size_px *= f64::from(samples);
         camera.pixels_per_unit *= f64::from(samples);
         let draws: Vec<Draw<'a>> = frame.selection().collect();
-        let mut parts: Vec<Part<'a>> = Vec::with_capacity(draws.len());
+        let mut ordered: Vec<Part<'a>> = Vec::with_capacity(draws.len());
         let mut count = 0_u64;
         let mut meshes = Vec::new();
         for draw in &draws {
@@ -188,7 +193,7 @@ impl<'a> Parts<'a> {
                 members,
             };
             count += part.len();
-            parts.push(part);
+            ordered.push(part);
         }
         // One more than the greatest ordinal has to fit, too.
         if count >= u64::from(u32::MAX) {
@@ -197,7 +202,7 @@ impl<'a> Parts<'a> {
             )));
         }
         Ok(Self {
-            parts,
+            ordered,
             count: count as u32,
             camera,
             kernel: wanted.kernel,
@@ -214,8 +219,8 @@ impl<'a> Parts<'a> {
 
     /// The part of this ordinal, and the primitive's place in it.
     pub(crate) fn find(&self, ordinal: u32) -> (&Part<'a>, usize) {
-        let after = self.parts.partition_point(|part| part.first <= ordinal);
-        let part = &self.parts[after - 1];
+        let after = self.ordered.partition_point(|part| part.first <= ordinal);
+        let part = &self.ordered[after - 1];
         (part, (ordinal - part.first) as usize)
     }
 

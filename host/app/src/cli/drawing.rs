@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use pointstage_engine::plugins::{PluginInfo, Registry};
 use pointstage_engine::stage::{
@@ -80,14 +81,17 @@ pub(crate) fn say(notice: &Notice) {
 
 /// Draws until the picture does not refine any more; notices go to standard error.
 pub(crate) fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResult> {
-    let result = draw_in_silence(stage, request)?;
+    let (result, _) = draw_in_silence(stage, request)?;
     result.notices.iter().for_each(say);
     Ok(result)
 }
 
-/// The same, but the notices of all its frames are in the result alone.
-pub(crate) fn draw_in_silence(stage: &mut Stage, request: &FrameRequest) -> Outcome<FrameResult> {
-    let mut notices = Vec::new();
+/// The same, but the notices of all its frames are in the result alone. With it, the wall time of all its frames.
+pub(crate) fn draw_in_silence(
+    stage: &mut Stage,
+    request: &FrameRequest,
+) -> Outcome<(FrameResult, Duration)> {
+    let (mut notices, mut time) = (Vec::new(), Duration::ZERO);
     loop {
         let frame = stage.frame(request).map_err(|error| match error {
             FrameError::NoTarget {
@@ -106,8 +110,9 @@ pub(crate) fn draw_in_silence(stage: &mut Stage, request: &FrameRequest) -> Outc
             }
         };
         notices.append(&mut result.notices);
+        time += result.stats.total;
         if result.progress >= 1.0 {
-            return Ok(FrameResult { notices, ..result });
+            return Ok((FrameResult { notices, ..result }, time));
         }
     }
 }

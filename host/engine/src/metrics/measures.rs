@@ -138,7 +138,7 @@ mod tests {
         for measures in [measured.whole, measured.interior, measured.edge] {
             assert!(measures.identical && measures.pixels > 0);
             assert_eq!(measures.psnr_db, Some(f64::INFINITY));
-            // The library divides equal numbers of f64, and maps are f32.
+            // Of equal pictures, dividend and divisor are equal to the last bit.
             assert_eq!(measures.ssim, Some(1.0));
             if cfg!(feature = "flip") {
                 assert_eq!(

@@ -1,8 +1,8 @@
 //! How far pictures are from a reference: PSNR, SSIM and FLIP, each over the whole picture, the interior and the edge.
 //!
 //! Pure functions over 8-bit sRGB pictures of equal size that were composed over the same opaque background.
-//! [`Regions`] says which pixels count where, from what the reference covers. Each metric has a file: [`psnr`] is three
-//! lines of ours, [`ssim`] and [`flip`] are libraries'. [`difference`] and [`flip`] make the maps to look at beside the
+//! [`Regions`] says which pixels count where, from what the reference covers. Each metric has a file: [`psnr`] and
+//! [`ssim`] are ours, [`flip`] is a library's. [`difference`] and [`flip`] make the maps to look at beside the
 //! numbers. [`measure`] does all of it:
 //!
 //! ```

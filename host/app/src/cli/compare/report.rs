@@ -76,7 +76,7 @@ pub(super) struct ViewReport {
 /// The reference's picture.
 #[derive(Debug, Serialize)]
 pub(super) struct DrawnReference {
-    /// Wall time of its last frame; none if it was there already.
+    /// Wall time of its frames, without preparation; none if it was there already.
     pub(super) ms: Option<f64>,
     /// Name of its file; with its folder if it was there already.
     pub(super) picture: String,
@@ -94,7 +94,7 @@ pub(super) struct RendererReport {
 /// What was found of one renderer in one view.
 #[derive(Debug, Serialize)]
 pub(super) struct Found {
-    /// Wall time of its last frame.
+    /// Wall time of its frames until it was finished, without preparation.
     pub(super) ms: f64,
     /// Names of its files.
     pub(super) files: Files,

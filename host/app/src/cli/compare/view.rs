@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use image::{DynamicImage, RgbImage};
 use pointstage_engine::metrics::{Measured, Regions, measure, silhouette};
@@ -23,6 +24,9 @@ const REFERENCE: ViewportId = ViewportId(0);
 
 /// Viewport of the others. It is another one, so that a renderer that is its own reference starts anew, too.
 const RENDERERS: ViewportId = ViewportId(1);
+
+/// Side of the picture that is drawn before the one that counts, px: enough to make a renderer do all that it does once.
+const FIRST_PX: u32 = 16;
 
 /// What is the same for all views.
 pub(super) struct Comparison<'a> {
@@ -51,13 +55,13 @@ impl Comparison<'_> {
         let (measure_by, reference) = self.measure_by(stage, index, view)?;
         let found = self.renderers.iter().map(|entry| {
             let request = self.request(entry, view);
-            let drawn = draw(stage, entry, &request)?;
+            let (drawn, time) = draw(stage, entry, &request)?;
             let picture = rgb_of(&drawn.picture)?;
             let measured = measure(&measure_by.picture, &picture, &measure_by.regions)?;
             let record = |name: &str| self.record(stage, &request, name);
             let files = self.write_files(index, entry, &picture, &measured, record)?;
             Ok(Found {
-                ms: millis(drawn.stats.total),
+                ms: millis(time),
                 files,
                 whole: measured.whole,
                 interior: measured.interior,
@@ -96,13 +100,13 @@ impl Comparison<'_> {
             read_back: vec![key.to_owned()],
             ..self.request(entry, view)
         };
-        let drawn = draw(stage, entry, &request)?;
+        let (drawn, time) = draw(stage, entry, &request)?;
         let covered = drawn.planes.get(key).map(silhouette);
         let measure_by = MeasureBy::new(rgb_of(&drawn.picture)?, covered)?;
         let name = self.name("reference", index, "");
         let record = self.record(stage, &request, &name);
         self.write(&name, &measure_by.picture, &record)?;
-        let ms = Some(millis(drawn.stats.total));
+        let ms = Some(millis(time));
         Ok((measure_by, DrawnReference { ms, picture: name }))
     }
 
@@ -203,12 +207,27 @@ impl MeasureBy {
     }
 }
 
-/// Draws as one of them.
-fn draw(stage: &mut Stage, entry: &Entry, request: &FrameRequest) -> Outcome<FrameResult> {
-    let result = drawing::draw_in_silence(stage, request)?;
-    check_drawer(&entry.id, &result.drawn_by, &result.notices)?;
-    result.notices.iter().for_each(drawing::say);
-    Ok(result)
+/// Draws as one of them, with the wall time of all frames until the picture was finished.
+///
+/// A small picture is drawn first: what is prepared for a scene, compiled or uploaded at first use is no part of that time.
+/// Drawing the picture itself twice would not do, since a renderer that refines has the second one finished already.
+fn draw(
+    stage: &mut Stage,
+    entry: &Entry,
+    request: &FrameRequest,
+) -> Outcome<(FrameResult, Duration)> {
+    let first = FrameRequest {
+        size_px: [FIRST_PX; 2],
+        ..request.clone()
+    };
+    let mut draw = |request| -> Outcome<_> {
+        let (result, time) = drawing::draw_in_silence(stage, request)?;
+        check_drawer(&entry.id, &result.drawn_by, &result.notices)?;
+        result.notices.iter().for_each(drawing::say);
+        Ok((result, time))
+    };
+    draw(&first)?;
+    draw(request)
 }
 
 /// Fails if another renderer stood in: its picture would be measured under a wrong name.
