@@ -11,8 +11,8 @@ use pointstage_plugin_api::columns::TangentAxes;
 use pointstage_scene::{Camera, Object, Scene};
 use pointstage_tests::models::{Random, Surfel, ball, coloured, object};
 use pointstage_tests::shots::{
-    NEAR, SIZE_PX, Setting, blended, choice, draw, floats, orthographic, perspective, psnr,
-    request, stage,
+    NEAR, SIZE_PX, Setting, blended, both_paths, choice, draw, floats, orthographic, perspective,
+    psnr, request, stage,
 };
 
 fn scene_of(object: Object) -> Arc<Scene> {
@@ -352,4 +352,19 @@ fn lights_and_normals_blend_between_splats() {
         psnr(&smooth, &flat) < 45.0,
         "the shading model changes the picture"
     );
+}
+
+#[test]
+fn forty_bytes_a_pixel_are_all_that_hqss_holds_beyond_scene_and_targets() {
+    let Some(mut stage) = stage() else { return };
+    let scene = scene_of(object("ball", &ball(5_000, 0.1, 4)));
+    let mut request = hqss(&scene, perspective(DVec3::new(0.5, 0.7, 3.0)), &[]);
+    request.size_px = [800, 580];
+    let bytes = both_paths(&mut stage, &request).map(|result| result.stats.plugin_bytes);
+    // Uniforms, the quads' indices and the lists of large surfels do not grow with the picture. Both paths' buffers stay.
+    let fixed = 3 << 20;
+    let most = 2 * 40 * 800 * 580 + fixed;
+    assert!(bytes[0] > 0 && bytes[1] <= most, "{bytes:?}, {most}");
+    let alone = 40 * 800 * 580 + fixed;
+    assert!(bytes[0] <= alone, "{} of {alone}", bytes[0]);
 }

@@ -12,7 +12,7 @@ use pointstage_engine::stage::{
     Background, FrameRequest, FrameResult, SettingValue, Stage, StageOptions, ViewportId,
 };
 use pointstage_scene::{Camera, Job, LoadOptions, Object, Scene, load};
-use pointstage_tests::data::sample;
+use pointstage_tests::data::{long, sample, shared, skip};
 use pointstage_tests::models::{Surfel, ball, coloured, object};
 use pointstage_tests::program::plugin_library;
 use pointstage_tests::shots::{
@@ -313,4 +313,65 @@ fn triangles_are_drawn_where_an_object_has_some() {
     let points = scene_of(object("ball", &ball(5_000, 0.05, 2)));
     let [as_triangles, as_splats] = both(&points);
     assert!(as_triangles.picture.rgba == as_splats.picture.rgba);
+}
+
+/// Pixels whose surroundings within `reach` in both directions all satisfy `is_in`.
+fn eroded(is_in: &[bool], size_px: [u32; 2], reach: i64) -> Vec<bool> {
+    let [width, height] = size_px.map(i64::from);
+    let at = |x: i64, y: i64| {
+        let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+        is_inside && is_in[(y * width + x) as usize]
+    };
+    let all_round = |place: i64| {
+        let (x, y) = (place % width, place / width);
+        (y - reach..=y + reach).all(|y| (x - reach..=x + reach).all(|x| at(x, y)))
+    };
+    (0..width * height).map(all_round).collect()
+}
+
+/// Views of the test of holes; with `cargo xtask test --long` all of them.
+const HOLE_VIEWS: usize = 200;
+
+#[test]
+fn a_scan_has_no_hole_that_its_mesh_has_not() {
+    let Some(mut stage) = stage() else { return };
+    let Some(path) = shared("mesh/dragon_vrip_437k_le.ply") else {
+        skip("the dragon of the shared test data is not there");
+        return;
+    };
+    let scene = scene_of(loaded(&path));
+    let mut camera = Camera::default();
+    camera.frame(&scene.bounds_world(), 1.0);
+    let (pivot, distance) = (camera.pivot, camera.eye.distance(camera.pivot));
+    let step = if long() { 1 } else { 50 };
+    let triangles = [("surface", choice("triangles"))];
+    for view in (0..HOLE_VIEWS).step_by(step) {
+        // Spread over the sphere; nearer and farther; twenty sizes.
+        let z = 1.0 - (2.0 * view as f64 + 1.0) / HOLE_VIEWS as f64;
+        let turn = view as f64 * PI * (3.0 - 5.0_f64.sqrt());
+        let ring = (1.0 - z * z).sqrt();
+        let direction = DVec3::new(ring * turn.cos(), z, ring * turn.sin());
+        let nearness = 0.6 * 1.03_f64.powi((view * 37 % HOLE_VIEWS) as i32 / 2);
+        let camera = Camera {
+            eye: pivot + direction * distance * nearness,
+            ..camera
+        };
+        let number = (view / step % 20) as u32;
+        let size_px = [97 + 29 * number, 83 + 23 * number];
+        let mut draw = |renderer, settings: &[Setting]| {
+            let request = request(&scene, camera, renderer, settings);
+            draw(&mut stage, &FrameRequest { size_px, ..request })
+        };
+        let mesh = uints(&draw("ewa-reference", &triangles), "kind");
+        let is_mesh: Vec<bool> = mesh.iter().map(|kind| *kind != 0).collect();
+        let inside = eroded(&is_mesh, size_px, 1);
+        let colours = floats(&draw("hqss", &[]), "colour");
+        let alphas = colours.chunks_exact(4).map(|pixel| pixel[3]);
+        let holes = inside
+            .iter()
+            .zip(alphas)
+            .filter(|(is_inside, alpha)| **is_inside && *alpha < 0.999);
+        let holes = holes.count();
+        assert!(holes == 0, "{holes} holes in view {view} at {size_px:?}");
+    }
 }

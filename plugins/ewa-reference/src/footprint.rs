@@ -129,10 +129,9 @@ impl Footprint {
     ) -> Option<Self> {
         let radius = axes.u.length().max(axes.v.length());
         let sample = 1.0 / camera.pixels_per_unit_at(centre_view);
-        // Blurred over the filter's radius, a splat reaches as deep.
-        let depth_radius = kernel
-            .filter_radius
-            .map_or(radius, |filter| radius.hypot(filter * sample));
+        let reach = kernel.filter_radius.map_or(radius, |filter| {
+            radius.hypot(filter * sample * slope_of(camera, centre_view, axes))
+        });
         let least = kernel
             .filter_radius
             .map_or(0.0, |_| LEAST_RADIUS * sample / (radius * kernel.cutoff));
@@ -160,7 +159,7 @@ impl Footprint {
             uv1,
             depth,
             depth_limits: depth_limits(camera, -centre_view.z, radius * kernel.cutoff),
-            push: push_of(camera, centre_view, kernel.push * depth_radius),
+            push: push_of(camera, centre_view, kernel.push * reach),
             faces_away,
             has_filter,
             seen_squared: least.max(1.0).powi(2),
@@ -301,6 +300,15 @@ impl Footprint {
         };
         (0.5 + within / RAMP).clamp(0.0, 1.0)
     }
+}
+
+/// How far the surface falls back within a length across the view, as a factor: as in `hqss` at least 1, and beyond a slope of 4
+/// less and less, since there, at a silhouette, others would shine through.
+fn slope_of(camera: &Camera, centre_view: DVec3, axes: Axes) -> f64 {
+    let normal = axes.u.cross(axes.v).normalize_or_zero();
+    let facing = normal.dot(camera.towards_eye(centre_view)).abs();
+    let slope = (1.0 - facing * facing).max(1e-6).sqrt() / facing.max(1e-3);
+    slope.min(9.0 / slope).max(1.0)
 }
 
 fn coefficients(image: &ProjectedEllipse, origin: DVec2) -> [DVec3; 3] {

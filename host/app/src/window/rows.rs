@@ -50,9 +50,10 @@ impl Rows {
             .map_or(id, |row| row.title.as_str())
     }
 
-    /// The renderer that a new window chooses: the first that can draw.
+    /// The renderer that a new window chooses: the first that can draw, and has its picture at once.
     pub(crate) fn first_suitable(&self) -> Option<&RendererRow> {
-        self.renderers.iter().find(|row| row.obstacle.is_none())
+        let mut suitable = self.renderers.iter().filter(|row| row.obstacle.is_none());
+        suitable.find(|row| !row.refines)
     }
 }
 
@@ -67,6 +68,8 @@ pub(crate) struct RendererRow {
     pub(crate) about: String,
     /// Why it cannot draw this scene on this device, if so.
     pub(crate) obstacle: Option<Obstacle>,
+    /// Whether its picture comes bit by bit.
+    pub(crate) refines: bool,
     /// Its settings.
     pub(crate) settings: Vec<SettingSchema>,
 }
@@ -168,6 +171,7 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
         title: info.entry.title.clone(),
         about: about(info),
         obstacle: obstacle(&suitability(&info.entry.needs, scene, device)),
+        refines: info.entry.gives.progressive,
         settings: info.entry.settings.clone(),
     };
     let found = registry.renderers();
@@ -190,6 +194,7 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
         title: "Built-in fallback (CPU)".to_owned(),
         about: "Opaque disks drawn on the CPU; always there.".to_owned(),
         obstacle: None,
+        refines: false,
         settings: Vec::new(),
     });
     Rows {

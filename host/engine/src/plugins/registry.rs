@@ -103,7 +103,11 @@ impl Registry {
             let is_named = files
                 .iter()
                 .any(|file| file.named && file.path == info.path);
-            (!is_named, demands(&info.entry.needs))
+            (
+                !is_named,
+                demands(&info.entry.needs),
+                info.entry.gives.progressive,
+            )
         });
         Self {
             files,
@@ -124,7 +128,7 @@ impl Registry {
     }
 
     /// The renderers that may be used: those of named files first, then from what needs least of a scene to what needs most,
-    /// else in the order of the folders.
+    /// of equals those that refine last, else in the order of the folders.
     pub fn renderers(&self) -> Vec<Arc<PluginInfo>> {
         self.renderers.clone()
     }

@@ -82,10 +82,10 @@ impl Choice {
             return info.id.clone();
         }
         let device = stage.device().map(|device| &**device);
+        // One that refines, such as an exact one, is for those who ask for it.
         let suitable = |info: &Arc<PluginInfo>| {
-            suitability(&info.entry.needs, scene, device)
-                .reason()
-                .is_none()
+            let reason = suitability(&info.entry.needs, scene, device);
+            reason.reason().is_none() && !info.entry.gives.progressive
         };
         let found = stage.registry().renderers().into_iter().find(suitable);
         match found {

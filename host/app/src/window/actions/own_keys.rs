@@ -140,6 +140,7 @@ mod tests {
             title: "Test".into(),
             about: String::new(),
             obstacle: None,
+            refines: false,
             settings: manifest.plugins[0].settings.clone(),
         }
     }

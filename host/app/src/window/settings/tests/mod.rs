@@ -56,6 +56,7 @@ fn renderer(id: &str, title: &str) -> RendererRow {
         title: title.into(),
         about: String::new(),
         obstacle: None,
+        refines: false,
         settings: Vec::new(),
     }
 }
