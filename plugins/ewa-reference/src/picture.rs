@@ -13,7 +13,7 @@ use crate::bins::{Bins, CHUNK, Chunk, Grid};
 use crate::parts::Parts;
 use crate::samples::{average, margin};
 use crate::settings::Wanted;
-use crate::tile::{Region, Renderer, Shaded};
+use crate::tile::{COVERAGE_REACH, Region, Renderer, Shaded};
 use crate::work;
 
 /// Side of a tile, px.
@@ -147,12 +147,11 @@ impl Picture {
             return Ok(0);
         };
         let parts = Parts::new(frame, wanted, level.samples)?;
-        // Coverage looks one sample farther.
         let margin = margin(wanted.sample_filter, level.samples);
         let grid = Grid {
             counts: tile_counts(self.size_px),
             side: f64::from(TILE_PX * level.samples),
-            margin: f64::from(margin + 1),
+            margin: f64::from(margin + COVERAGE_REACH),
         };
         if level.bins.is_none() {
             level.sort(frame, &parts, &grid, until)?;

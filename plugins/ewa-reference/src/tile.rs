@@ -24,6 +24,8 @@ use crate::triangle::Triangle;
 const KEPT_SHAPES: usize = 20_000;
 /// Between two looks at whether to stop.
 const SHAPES_PER_LOOK: usize = 1024;
+/// So many samples beside its own tell how much of it is covered.
+pub(crate) const COVERAGE_REACH: i32 = 2;
 /// No primitive.
 const NOBODY: u32 = u32::MAX;
 
@@ -133,8 +135,7 @@ impl Renderer<'_> {
         list: &[u32],
         stop: &AtomicBool,
     ) -> Option<Vec<Shaded>> {
-        // Coverage looks at the samples beside its own.
-        let around = region.grown(1);
+        let around = region.grown(COVERAGE_REACH);
         let kept: Option<Vec<Option<Shape>>> = (list.len() <= KEPT_SHAPES).then(|| {
             list.iter()
                 .map(|ordinal| self.parts.shape(*ordinal))
@@ -349,7 +350,7 @@ fn see_triangle(seen: &mut [Seen], around: Region, ordinal: u32, triangle: &Tria
 /// How much of a sample the surface covers: the formula of `hqss`.
 ///
 /// * `greatest`: coverage by one splat.
-/// * `sides`: how many of the four samples beside it show a surface.
+/// * `sides`: on how many of its four sides a surface is.
 fn coverage_of(greatest: f64, sides: usize) -> f64 {
     if greatest >= 1.0 || sides == 4 {
         1.0
