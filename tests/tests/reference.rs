@@ -345,6 +345,7 @@ fn a_scan_has_no_hole_that_its_mesh_has_not() {
     let (pivot, distance) = (camera.pivot, camera.eye.distance(camera.pivot));
     let step = if long() { 1 } else { 50 };
     let triangles = [("surface", choice("triangles"))];
+    let (mut pixel_count, mut partly) = (0, 0);
     for view in (0..HOLE_VIEWS).step_by(step) {
         // Spread over the sphere; nearer and farther; twenty sizes.
         let z = 1.0 - (2.0 * view as f64 + 1.0) / HOLE_VIEWS as f64;
@@ -367,11 +368,19 @@ fn a_scan_has_no_hole_that_its_mesh_has_not() {
         let inside = eroded(&is_mesh, size_px, 1);
         let colours = floats(&draw("hqss", &[]), "colour");
         let alphas = colours.chunks_exact(4).map(|pixel| pixel[3]);
-        let holes = inside
+        let covered = inside
             .iter()
             .zip(alphas)
-            .filter(|(is_inside, alpha)| **is_inside && *alpha < 0.999);
-        let holes = holes.count();
+            .filter(|(is_inside, _)| **is_inside);
+        let covered: Vec<f32> = covered.map(|(_, alpha)| alpha).collect();
+        pixel_count += covered.len();
+        partly += covered.iter().filter(|alpha| **alpha < 0.999).count();
+        let holes = covered.iter().filter(|alpha| **alpha < 0.5).count();
         assert!(holes == 0, "{holes} holes in view {view} at {size_px:?}");
     }
+    // Where the disks of the mesh's vertices leave a gap of several pixels, the pixels beside it may be covered in part.
+    assert!(
+        partly * 1_000_000 <= pixel_count,
+        "{partly} of {pixel_count} in part"
+    );
 }

@@ -302,7 +302,7 @@ impl Footprint {
     }
 }
 
-/// How far the surface falls back within a length across the view, as a factor: as in `hqss` at least 1, and beyond a slope of 4
+/// How far the surface falls back within a length across the view, as a factor: as in `hqss` at least 1, and beyond a slope of 3
 /// less and less, since there, at a silhouette, others would shine through.
 fn slope_of(camera: &Camera, centre_view: DVec3, axes: Axes) -> f64 {
     let normal = axes.u.cross(axes.v).normalize_or_zero();

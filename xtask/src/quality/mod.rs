@@ -1,6 +1,6 @@
 //! `cargo xtask quality`: how near the renderers come to exact pictures, as a table.
 //!
-//! The program's own `compare` draws and measures. Here is what it is asked: which models ([`MODELS`], of the repository, of
+//! The program's own `compare` draws and measures. Here is what it is asked: which models (of the repository, of
 //! the shared test data folder where there is one, and a [`board`] that is made on the spot), from which distances ([`view`]),
 //! and who is measured by whom ([`COMPARISONS`]). What it answers becomes one [`table`].
 
