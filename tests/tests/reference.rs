@@ -11,6 +11,7 @@ use pointstage_engine::plugins::DiscoverOptions;
 use pointstage_engine::stage::{
     Background, FrameRequest, FrameResult, SettingValue, Stage, StageOptions, ViewportId,
 };
+use pointstage_plugin_api::abi::Interaction;
 use pointstage_scene::{Camera, Job, LoadOptions, Object, Scene, load};
 use pointstage_tests::data::{long, sample, shared, skip};
 use pointstage_tests::models::{Surfel, ball, coloured, object};
@@ -105,6 +106,24 @@ fn a_picture_in_small_pieces_of_time_is_the_same_picture() {
     assert!(progress.is_sorted(), "{progress:?}");
     assert!(last.picture.rgba == at_once.picture.rgba);
     assert!(last.planes == at_once.planes);
+}
+
+#[test]
+fn while_something_moves_the_picture_with_one_sample_comes() {
+    let Some(mut stage) = stage() else { return };
+    let camera = perspective(DVec3::new(0.4, 0.3, 2.6));
+    for samples in [1, 2] {
+        let settings = [("samples", SettingValue::Int(samples))];
+        let moving = FrameRequest {
+            interaction: Interaction::MOVING,
+            viewport: ViewportId(8),
+            ..request(&beach_ball(), camera, "ewa-reference", &settings)
+        };
+        // Other work on the machine may need a second call.
+        let area = |_| area(&stage.frame(&moving).expect("a frame"));
+        let areas: Vec<f64> = (0..20).map(area).collect();
+        assert!(areas[19] > 10_000.0, "{samples}: {areas:?}");
+    }
 }
 
 #[test]

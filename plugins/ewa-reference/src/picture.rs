@@ -97,10 +97,16 @@ impl Picture {
             _ => LONG_SLICE,
         };
         let until = start + slice;
-        // While something moves the first picture is all that there is time for.
-        let left = usize::from(frame.interaction() != Interaction::STILL);
+        let is_still = frame.interaction() == Interaction::STILL;
         let mut splats = 0;
-        while self.levels.len() > left && Instant::now() < until && !frame.should_stop() {
+        while Instant::now() < until && !frame.should_stop() {
+            let Some(level) = self.levels.last() else {
+                break;
+            };
+            // While something moves the first picture is all that there is time for.
+            if level.samples > 1 && !is_still {
+                break;
+            }
             splats = self.step(frame, wanted, until)?;
         }
         self.fill(frame);
