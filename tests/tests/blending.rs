@@ -153,6 +153,23 @@ fn weights_are_those_of_the_gaussian() {
     }
 }
 
+#[test]
+fn a_plane_of_splats_has_the_weight_of_all_of_them() {
+    let Some(mut stage) = stage() else { return };
+    let (count, radius) = (2_000, 0.02_f32);
+    let radius_px = f64::from(radius) * f64::from(SIZE_PX[1]) / 2.0;
+    let one = PI * radius_px.powi(2) * (1.0 - (-2.0_f64).exp()) / 2.0;
+    let expected = one * f64::from(count);
+    let surfels = square(count as usize, radius);
+    let unfiltered = [("filter", SettingValue::Bool(false))];
+    for found in weight_of(&mut stage, &surfels, &unfiltered) {
+        assert!(
+            (found / expected - 1.0).abs() < 0.01,
+            "{found} instead of {expected}"
+        );
+    }
+}
+
 /// Pixels that are not covered whole though no path of such pixels leads to the picture's edge.
 fn holes(result: &FrameResult) -> usize {
     let [width, height] = result.picture.size_px.map(|side| side as usize);
