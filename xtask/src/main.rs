@@ -14,6 +14,7 @@ mod draw_anew;
 mod json;
 mod paths;
 mod pictures;
+mod ply;
 mod process;
 mod quality;
 mod run;

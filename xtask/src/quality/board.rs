@@ -1,6 +1,7 @@
 //! A checkerboard of surfels: the pattern on which filters succeed or fail.
 
 use super::view::View;
+use crate::ply;
 
 /// Surfels along each side.
 const SIDE: usize = 600;
@@ -34,21 +35,11 @@ pub(super) fn ply() -> Vec<u8> {
 }
 
 fn header() -> String {
-    let mut text = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment made by `cargo xtask quality`\nelement vertex {}\n",
-        SIDE * SIDE
-    );
     let columns = [
         ("float", "x y z nx ny nz radius"),
         ("uchar", "red green blue"),
     ];
-    for (kind, names) in columns {
-        for name in names.split(' ') {
-            text.extend(["property ", kind, " ", name, "\n"]);
-        }
-    }
-    text.push_str("end_header\n");
-    text
+    ply::header(&["made by `cargo xtask quality`"], SIDE * SIDE, &columns)
 }
 
 /// From the middle distance, 10° above the board and 20° beside its axis: surfels in its middle are 1.2 px apart (3 px when it

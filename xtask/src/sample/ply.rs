@@ -2,6 +2,7 @@
 
 use super::surfels::Surfel;
 use super::vector::Vector;
+use crate::ply;
 
 /// Four vectors of f32 (centre, normal, u, v) and three bytes of colour.
 pub(super) const BYTES_PER_SURFEL: usize = 4 * 3 * 4 + 3;
@@ -21,23 +22,17 @@ pub(super) fn encode(surfels: &[Surfel]) -> Vec<u8> {
 }
 
 fn header(count: usize) -> String {
-    let mut text = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment Pointstage sample: a snake tied into a trefoil knot\n\
-         comment made by `cargo xtask sample`; MIT OR Apache-2.0\n\
-         comment ux..vz: tangent half-axes of elliptical surfels\nelement vertex {count}\n"
-    );
+    let comments = [
+        "Pointstage sample: a snake tied into a trefoil knot",
+        "made by `cargo xtask sample`; MIT OR Apache-2.0",
+        "ux..vz: tangent half-axes of elliptical surfels",
+    ];
     let columns = [
         ("float", "x y z nx ny nz"),
         ("uchar", "red green blue"),
         ("float", "ux uy uz vx vy vz"),
     ];
-    for (kind, names) in columns {
-        for name in names.split(' ') {
-            text.extend(["property ", kind, " ", name, "\n"]);
-        }
-    }
-    text.push_str("end_header\n");
-    text
+    ply::header(&comments, count, &columns)
 }
 
 fn push(bytes: &mut Vec<u8>, vector: Vector) {
