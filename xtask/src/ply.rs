@@ -8,7 +8,7 @@ pub(crate) fn header(comments: &[&str], count: usize, columns: &[(&str, &str)]) 
     for comment in comments {
         text.extend(["comment ", comment, "\n"]);
     }
-    text.push_str(&format!("element vertex {count}\n"));
+    text.extend(["element vertex ", &count.to_string(), "\n"]);
     for (kind, names) in columns {
         for name in names.split(' ') {
             text.extend(["property ", kind, " ", name, "\n"]);
