@@ -1,5 +1,5 @@
 //! The repository's own commands: `cargo xtask run`, `test`, `bless`, `pictures`, `sample`, `bench`,
-//! `quality`.
+//! `quality`, `pop`.
 //!
 //! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
 //! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate, so that
@@ -12,9 +12,13 @@ mod bless;
 mod build;
 mod draw_anew;
 mod json;
+mod markdown;
+mod out;
 mod paths;
 mod pictures;
+mod plot;
 mod ply;
+mod pop;
 mod process;
 mod quality;
 mod run;
@@ -40,6 +44,9 @@ Usage: cargo xtask COMMAND
   bench [NAME...] [-- ARGUMENTS] run the benchmarks (all, or those of these names); ARGUMENTS go to them
   quality [OUT]                  compare the renderers with exact pictures on many scenes; a table and all pictures go to OUT,
                                  target/quality unless given
+  pop [OUT] [--with PROGRAM]     measure the renderer pop as a diploma thesis on POP measured its own, and set both side by
+                                 side; tables and plots go to OUT, target/pop unless given. PROGRAM is the benchmark 'pop',
+                                 built before; without it, all is built first
 ";
 
 fn main() -> ExitCode {
@@ -56,6 +63,7 @@ fn main() -> ExitCode {
         "sample" => sample::sample(rest),
         "bench" => bench::bench(rest),
         "quality" => quality::quality(rest),
+        "pop" => pop::pop(rest),
         "help" | "--help" | "-h" => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

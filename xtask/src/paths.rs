@@ -34,6 +34,11 @@ pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
     file.is_file().then_some(file)
 }
 
+/// What to say where it is not.
+pub(crate) fn no_shared_data(path: &str) -> String {
+    format!("skipped: no {path} in the shared test data folder; POINTSTAGE_TEST_DATA names it")
+}
+
 /// `path` as a person would type it: relative to the current folder where it lies below it.
 pub(crate) fn shown(path: &std::path::Path) -> String {
     let relative = std::env::current_dir()

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::json::Value;
+use crate::out::{self, OutFolder};
 use crate::{Outcome, build, paths, process, setup};
 use table::Row;
 use view::{Distance, View};
@@ -110,25 +111,22 @@ pub(crate) fn quality(arguments: &[String]) -> Outcome {
             ));
         }
     };
-    // The program is run inside it.
-    let out =
-        std::path::absolute(&out).map_err(|error| format!("{}: {error}", paths::shown(&out)))?;
     setup::set_up(setup::Needs {
         window: false,
         tests: false,
     })?;
     let place = Place {
         program: build::release()?,
-        out,
+        out: OutFolder::make(&out)?,
     };
-    make_folder(&place.out.join("views"))?;
+    place.out.folder("views")?;
     place.run()
 }
 
 /// Where comparisons are made.
 struct Place {
     program: PathBuf,
-    out: PathBuf,
+    out: OutFolder,
 }
 
 impl Place {
@@ -156,12 +154,10 @@ impl Place {
             }
             page.push_str(&section(comparison, &rows, &skipped));
             // After each, so that what was found is there if the rest is broken off.
-            self.write(
-                "quality.md",
-                format!("{}{page}", head(device.as_deref())).as_bytes(),
-            )?;
+            let text = format!("{}{page}", head(device.as_deref()));
+            self.out.write("quality.md", text)?;
         }
-        let file = self.out.join("quality.md");
+        let file = self.out.path().join("quality.md");
         process::say(&format!("the table is {}", paths::shown(&file)));
         println!("{}{page}", head(device.as_deref()));
         if failures.is_empty() {
@@ -178,15 +174,13 @@ impl Place {
             Source::Shared(path) => {
                 let file = paths::shared_data(path);
                 if file.is_none() {
-                    process::say(&format!(
-                        "skipped: no {path} in the shared test data folder; POINTSTAGE_TEST_DATA names it"
-                    ));
+                    process::say(&paths::no_shared_data(path));
                 }
                 Ok(file)
             }
             Source::Board => {
-                self.write("checkerboard.ply", &board::ply())?;
-                Ok(Some(self.out.join("checkerboard.ply")))
+                let file = self.out.write("checkerboard.ply", board::ply())?;
+                Ok(Some(file))
             }
         }
     }
@@ -203,7 +197,7 @@ impl Place {
         for (distance, factor) in comparison.distances {
             // Relative to where the program is run: a comma in the folder's name would split the list.
             let view = format!("views/{}-{distance}.json", model.name);
-            self.write(&view, base.moved(*factor).json().as_bytes())?;
+            self.out.write(&view, base.moved(*factor).json())?;
             views.push(view);
         }
         let [width, height] = SIZE_PX;
@@ -218,7 +212,7 @@ impl Place {
             command.arg("--flip");
         }
         process::run(&format!("comparing {folder}"), &mut command)?;
-        let metrics = self.out.join(folder).join("metrics.json");
+        let metrics = self.out.path().join(folder).join("metrics.json");
         let text = std::fs::read_to_string(&metrics)
             .map_err(|error| format!("{}: {error}", paths::shown(&metrics)))?;
         Value::parse(&text).ok_or_else(|| format!("{}: this is no JSON", paths::shown(&metrics)))
@@ -246,24 +240,15 @@ impl Place {
     /// A command of the program on a file, to be run in the folder of what is written.
     fn command(&self, name: &str, file: &Path) -> Outcome<Command> {
         let mut command = Command::new(&self.program);
-        command.arg(name).arg(file).current_dir(&self.out);
+        command.arg(name).arg(file).current_dir(self.out.path());
         setup::prepare_environment(&mut command)?;
         Ok(command)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> Outcome {
-        let path = self.out.join(name);
-        std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", paths::shown(&path)))
     }
 }
 
 /// What stands above the tables: what made them, so that they can be made again.
 fn head(device: Option<&str>) -> String {
-    let mut git = process::git(&["describe", "--always", "--dirty"]);
-    let commit = process::output(&mut git);
-    let commit = commit
-        .as_deref()
-        .map_or("an unknown commit", |commit| commit.trim());
+    let commit = out::commit();
     let [width, height] = SIZE_PX;
     format!(
         "# Quality of the renderers\n\n\
@@ -291,10 +276,6 @@ fn section(comparison: &Comparison, rows: &[Row], skipped: &[&str]) -> String {
         text.extend(["\n", why, &skipped, ".\n"]);
     }
     text
-}
-
-fn make_folder(path: &Path) -> Outcome {
-    std::fs::create_dir_all(path).map_err(|error| format!("{}: {error}", paths::shown(path)))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The table, from what comparisons say.
 
 use crate::json::Value;
+use crate::markdown;
 
 /// One renderer on one scene from one distance.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,37 +65,15 @@ const HEAD: [&str; 8] = [
 /// Columns of words before those of numbers.
 const WORDS: usize = 3;
 
-/// The rows as a table of Markdown, in columns for those who read it as text.
+/// The rows as a table of Markdown.
 pub(super) fn markdown(rows: &[Row]) -> String {
-    let cells: Vec<[&str; 8]> = std::iter::once(HEAD)
-        .chain(rows.iter().map(|row| {
-            let [a, b, c, d, e] = row.numbers.each_ref().map(String::as_str);
-            [&row.scene, &row.distance, &row.renderer, a, b, c, d, e]
-        }))
-        .collect();
-    let widths: [usize; 8] = std::array::from_fn(|column| {
-        let widths = cells.iter().map(|row| row[column].chars().count());
-        widths.max().unwrap_or(0)
+    let rows = rows.iter().map(|row| {
+        let words = [&row.scene, &row.distance, &row.renderer].map(String::as_str);
+        let numbers = row.numbers.iter().map(String::as_str);
+        words.into_iter().chain(numbers).collect()
     });
-    let line = |row: &[&str; 8]| {
-        let cells = row.iter().zip(widths).enumerate();
-        let cells = cells.map(|(column, (cell, width))| {
-            if column < WORDS {
-                format!(" {cell:width$} |")
-            } else {
-                format!(" {cell:>width$} |")
-            }
-        });
-        format!("|{}\n", cells.collect::<String>())
-    };
-    let rule = widths.iter().enumerate().map(|(column, width)| {
-        let end = if column < WORDS { '-' } else { ':' };
-        format!("{}{end}|", "-".repeat(width + 1))
-    });
-    let mut text = line(&cells[0]);
-    text.extend(["|", &rule.collect::<String>(), "\n"]);
-    text.extend(cells[1..].iter().map(line));
-    text
+    let cells: Vec<Vec<&str>> = std::iter::once(HEAD.to_vec()).chain(rows).collect();
+    markdown::table(WORDS, &cells)
 }
 
 #[cfg(test)]

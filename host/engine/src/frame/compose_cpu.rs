@@ -376,8 +376,8 @@ mod tests {
     #[test]
     fn kinds_have_their_palette_colours() {
         let composition = show(KIND, Background::Transparent);
-        assert_eq!(pixel_of(&[1.0], &composition), [0, 114, 178, 255]);
-        assert_eq!(pixel_of(&[2.0], &composition), [230, 159, 0, 255]);
+        assert_eq!(pixel_of(&[1.0], &composition), [214, 39, 40, 255]);
+        assert_eq!(pixel_of(&[2.0], &composition), [0, 114, 178, 255]);
         assert_eq!(pixel_of(&[200.0], &composition), [204, 121, 167, 255]);
     }
 

@@ -21,11 +21,12 @@ pub(crate) const RAMP: [[u8; 3]; 10] = [
 
 /// Colours of the `kind` target by value, 8-bit sRGB: nothing (never shown), surfel, triangle, line, anything else.
 ///
-/// Blue, orange, bluish green and reddish purple of Okabe and Ito, *Color Universal Design*, 2002.
+/// Red splats and blue triangles, as in the pictures of POP (Chen and Nguyen 2001); blue, bluish green and reddish purple are
+/// those of Okabe and Ito, *Color Universal Design*, 2002.
 pub(crate) const KINDS: [[u8; 3]; 5] = [
     [0, 0, 0],
+    [214, 39, 40],
     [0, 114, 178],
-    [230, 159, 0],
     [0, 158, 115],
     [204, 121, 167],
 ];

@@ -1,0 +1,134 @@
+//! The passes of a frame, recorded.
+
+use crate::passes::{Kernels, Kind};
+use crate::uniforms::STRIDE;
+use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
+use pointstage_plugin_api::gpu::{
+    AsHandle as _, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef, Recorder, RenderPass,
+    RenderPipeline,
+};
+use pointstage_visibility::{PixelRectangle, TargetSet, Targets};
+
+/// Primitives of one kind, of one tree.
+#[derive(Clone, Copy)]
+pub(crate) struct Draw<'a> {
+    pub(crate) kind: Kind,
+    /// How many.
+    pub(crate) count: u32,
+    /// Which uniform of group 2.
+    pub(crate) uniform: u32,
+    /// Of the object's draw, for group 0.
+    pub(crate) draw_offset: u32,
+    /// Group 1.
+    pub(crate) tree: &'a BindGroup,
+    /// Group 2.
+    pub(crate) list: &'a BindGroup,
+    /// Where the object can be seen.
+    pub(crate) pixels: PixelRectangle,
+}
+
+/// What the compute path is bound to.
+#[derive(Clone, Copy)]
+pub(crate) struct Pixels<'a> {
+    /// Group 3.
+    pub(crate) group: &'a BindGroup,
+    /// Large triangles, and the arguments of their dispatch.
+    pub(crate) large: &'a Buffer,
+    pub(crate) arguments: &'a Buffer,
+}
+
+/// Groups 0 to 2 of a pass.
+macro_rules! bind {
+    ($pass:expr, $frame:expr, $draw:expr) => {
+        $pass.set_bind_group(0, &$frame, &[$draw.draw_offset]);
+        $pass.set_bind_group(1, $draw.tree, &[]);
+        $pass.set_bind_group(2, $draw.list, &[$draw.uniform * STRIDE]);
+    };
+}
+
+/// The kernels of one draw.
+pub(crate) fn record_kernels(
+    recorder: &mut Recorder,
+    frame: GroupRef,
+    draw: &Draw<'_>,
+    kernels: &Kernels,
+    group_size: u32,
+    pixels: &Pixels<'_>,
+) {
+    if kernels.large.is_some() {
+        recorder.push(ClearBuffer {
+            buffer: pixels.large.as_handle(),
+            offset: 0,
+            size: 4,
+        });
+    }
+    let bind = |pass: &mut ComputePass<'_>| {
+        bind!(pass, frame, draw);
+        pass.set_bind_group(3, pixels.group, &[]);
+    };
+    let mut pass = recorder.compute_pass(label(draw.kind));
+    pass.set_pipeline(&kernels.each);
+    bind(&mut pass);
+    pass.dispatch_linear(draw.count, group_size);
+    drop(pass);
+    let Some(large) = &kernels.large else { return };
+    // A buffer cannot be written and give a dispatch its arguments at once.
+    recorder.push(CopyBufferToBuffer {
+        source: pixels.large.as_handle(),
+        source_offset: 0,
+        target: pixels.arguments.as_handle(),
+        target_offset: 0,
+        size: 4,
+    });
+    let mut pass = recorder.compute_pass("large triangles");
+    pass.set_pipeline(large);
+    bind(&mut pass);
+    pass.dispatch_indirect(pixels.arguments, 0);
+}
+
+/// One draw of the raster path's pass.
+pub(crate) fn record_raster(pass: &mut RenderPass<'_>, frame: GroupRef, draw: &Draw<'_>, pipeline: &RenderPipeline) {
+    let vertices = if draw.kind.is_triangles() { 3 } else { 6 };
+    pass.set_pipeline(pipeline);
+    bind!(pass, frame, draw);
+    pass.draw(0..draw.count.saturating_mul(vertices), 0..1);
+}
+
+/// Shading: each tree lights its own pixels, with the first of its draws' uniforms.
+pub(crate) fn record_shading(
+    recorder: &mut Recorder,
+    frame: GroupRef,
+    draws: &[Draw<'_>],
+    visible: &BindGroup,
+    (targets, set): (&Targets, TargetSet),
+    pipeline: &RenderPipeline,
+) {
+    let colours: Vec<_> = targets
+        .attachments(set)
+        .map(|target| Some(ColourAttachment::load(&target.texture)))
+        .collect();
+    let depth = targets.depth.filter(|_| set.has_depth());
+    let depth = depth.map(|target| DepthAttachment::load(&target.texture));
+    let mut pass = recorder.render_pass("shading", &colours, depth);
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(3, visible, &[]);
+    let mut last = None;
+    for draw in draws {
+        if last == Some(draw.draw_offset) || draw.pixels.size.contains(&0) {
+            continue;
+        }
+        last = Some(draw.draw_offset);
+        bind!(pass, frame, draw);
+        pass.set_scissor(draw.pixels.origin, draw.pixels.size);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn label(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Splats => "splats",
+        Kind::Triangles => "triangles",
+        Kind::AllTriangles => "whole mesh",
+        Kind::Points => "points",
+    }
+}

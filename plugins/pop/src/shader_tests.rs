@@ -1,0 +1,61 @@
+//! The shaders: all variants validate, the uniform has its layout; and the manifest fits the code.
+
+#[path = "../../visibility/src/shader_checks.rs"]
+mod shader_checks;
+
+use crate::passes::{Kernel, Kind, link_compute, link_raster, link_shading};
+use crate::uniforms::TreeUniform;
+use core::mem::offset_of;
+use pointstage_visibility::{Source, TargetSet};
+use shader_checks::{assert_manifest, assert_variants, validated};
+
+const KINDS: [Kind; 4] = [Kind::Splats, Kind::Triangles, Kind::AllTriangles, Kind::Points];
+const KERNELS: [Kernel; 3] = [Kernel::Whole, Kernel::NearestDepth, Kernel::GreatestPrimitive];
+const LOOKS: [&[&str]; 4] = [&[], &["gouraud"], &["pop_colours"], &["gouraud", "pop_colours"]];
+
+#[test]
+fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
+    let fields = [
+        ("origin", offset_of!(TreeUniform, origin)),
+        ("step", offset_of!(TreeUniform, step)),
+        ("base", offset_of!(TreeUniform, base)),
+        ("node_count", offset_of!(TreeUniform, node_count)),
+        ("triangle_count", offset_of!(TreeUniform, triangle_count)),
+        ("vertex_count", offset_of!(TreeUniform, vertex_count)),
+        ("first_leaf", offset_of!(TreeUniform, first_leaf)),
+        ("count_at", offset_of!(TreeUniform, count_at)),
+        ("list_first", offset_of!(TreeUniform, list_first)),
+        ("list_step", offset_of!(TreeUniform, list_step)),
+        ("stretch", offset_of!(TreeUniform, stretch)),
+        ("point_px", offset_of!(TreeUniform, point_px)),
+    ];
+    let mut variants = Vec::new();
+    for kind in KINDS {
+        for is_disk in [false, true] {
+            for (kernel, is_wide) in KERNELS.into_iter().zip([true, false, true]) {
+                let wgsl = link_compute(kind, is_disk, kernel, is_wide).unwrap();
+                variants.push((format!("compute {kind:?} {is_disk} {kernel:?}"), wgsl));
+            }
+            let wgsl = link_raster(kind, is_disk).unwrap();
+            variants.push((format!("raster {kind:?} {is_disk}"), wgsl));
+        }
+    }
+    assert_variants(variants, "pop_tree_TreeUniform", &fields, size_of::<TreeUniform>() as u64);
+}
+
+#[test]
+fn the_shading_pass_validates() {
+    let mut looks = LOOKS.iter().cycle();
+    for set in TargetSet::each().step_by(5) {
+        for source in [Source::Ids, Source::Pixels] {
+            let look = looks.next().unwrap();
+            let wgsl = link_shading(source, set, look).unwrap();
+            validated(&format!("shading {set:?} {source:?} {look:?}"), &wgsl);
+        }
+    }
+}
+
+#[test]
+fn the_manifest_is_valid() {
+    assert_manifest(include_bytes!("../plugin.json"), "pop");
+}

@@ -1,0 +1,448 @@
+//! One viewport: the last cut, lists, buffers of the picture's size; and the frame.
+
+use crate::Pop;
+use crate::part::Part;
+use crate::passes::{Kind, Passes, UNIFORM_BYTES};
+use crate::record::{Draw, Pixels, record_kernels, record_raster, record_shading};
+use crate::settings::{Method, Wanted, wanted_of};
+use crate::uniforms::{STRIDE, TreeUniform};
+use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
+use pointstage_plugin_api::glam::Mat4;
+use pointstage_plugin_api::gpu::{
+    AsHandle as _, BindGroup, Buffer, ColourAttachment, DepthAttachment, Recorder, Texture, TextureOptions,
+};
+use pointstage_plugin_api::{Error, Frame, FrameUniform, Host, Outcome, Result, statistics};
+use pointstage_pop_tree::cut::{CoherentCut, Cut, Projection, View as CutView, full};
+use pointstage_visibility::{DrawList, Path, PixelRectangle, Source, Targets};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Large triangles of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
+const LARGE_COUNT: u64 = 65_535;
+/// Bytes of a pixel of the compute path: primitive and depth.
+const PIXEL_BYTES: u64 = 8;
+/// Words before a list's entries: how many splats, how many triangles.
+const LIST_HEAD: u32 = 2;
+
+/// The renderer in one viewport.
+pub struct PopView {
+    host: Host,
+    cuts: Vec<PartCut>,
+    /// Uniforms of all trees.
+    uniforms: Option<(u64, Buffer)>,
+    visible: Option<Visible>,
+    warned: bool,
+}
+
+/// A part's last cut in this view.
+#[derive(Default)]
+struct PartCut {
+    part: Option<Arc<Part>>,
+    coherent: CoherentCut,
+    cut: Cut,
+    list: Option<List>,
+}
+
+/// The list on the device.
+struct List {
+    bytes: u64,
+    buffer: Buffer,
+    uniforms: Handle,
+    group: BindGroup,
+}
+
+/// Where the visibility pass writes, for pictures of a size.
+enum Visible {
+    Buffers {
+        size_px: [u32; 2],
+        pixels: Buffer,
+        large: Buffer,
+        arguments: Buffer,
+        /// Group 3 of the kernels, and of shading.
+        group: BindGroup,
+        shading: BindGroup,
+    },
+    Textures {
+        size_px: [u32; 2],
+        primitives: Texture,
+        depth: Texture,
+        shading: BindGroup,
+    },
+}
+
+/// What is drawn of a part.
+struct Planned {
+    kind: Kind,
+    count: u32,
+    /// Which part, and which draw of the frame.
+    part: usize,
+    draw_offset: u32,
+    pixels: PixelRectangle,
+}
+
+/// What a frame took, for the report.
+#[derive(Default)]
+struct Took {
+    splats: u64,
+    triangles: u64,
+    evaluated: u64,
+    culled: u64,
+    selection: Duration,
+}
+
+impl PopView {
+    /// # Errors
+    /// None so far.
+    #[expect(clippy::unnecessary_wraps, reason = "the renderer's trait has a result")]
+    pub(crate) fn new(host: &Host, prepared: &Pop) -> Result<Self> {
+        let mut cuts = Vec::new();
+        cuts.resize_with(prepared.parts.len(), PartCut::default);
+        Ok(Self {
+            host: host.clone(),
+            cuts,
+            uniforms: None,
+            visible: None,
+            warned: false,
+        })
+    }
+
+    /// Draws a frame into the targets that were asked for.
+    pub(crate) fn draw(&mut self, prepared: &Pop, frame: &mut Frame<'_>) -> Result<Outcome> {
+        let wanted = wanted_of(frame.settings())?;
+        let targets = Targets::of(frame);
+        let mut took = Took::default();
+        let (planned, uniforms) = self.plan(prepared, frame, &wanted, &mut took)?;
+        if !targets.all().is_empty() && !planned.is_empty() {
+            self.record(prepared, frame, &wanted, &targets, (&planned, &uniforms))?;
+        }
+        report(frame, prepared, &took);
+        Ok(Outcome::Done)
+    }
+
+    /// Cuts the trees; what to draw, and the uniforms of the draws in their order.
+    fn plan(
+        &mut self,
+        prepared: &Pop,
+        frame: &Frame<'_>,
+        wanted: &Wanted,
+        took: &mut Took,
+    ) -> Result<(Vec<Planned>, Vec<TreeUniform>)> {
+        // Splats reach a little beyond the object's bounds.
+        let blocks = DrawList::of(frame, Some(2.0 * wanted.threshold_px + 1.0)).blocks;
+        let (mut planned, mut uniforms) = (Vec::new(), Vec::new());
+        let mut base = 0_u32;
+        self.cuts.resize_with(prepared.parts.len(), PartCut::default);
+        for (number, part) in prepared.parts.iter().enumerate() {
+            let of_part = |draw: &pointstage_plugin_api::Draw<'_>| {
+                draw.object().is_some_and(|object| part.origin.is_of(&object))
+            };
+            let Some(draw) = frame.selection().find(of_part) else {
+                continue;
+            };
+            let pixels = blocks
+                .iter()
+                .find(|block| block.id_base == draw.uniform().id_base)
+                .map_or(PixelRectangle { origin: [0, 0], size: frame.size_px() }, |block| block.pixels);
+            let mut uniform = TreeUniform::of(part, base);
+            uniform.point_px = wanted.threshold_px;
+            let primitives = [part.tree.nodes.len() as u64, u64::from(part.triangle_count), u64::from(part.vertex_count)];
+            let next = u64::from(base) + primitives.iter().sum::<u64>();
+            base = u32::try_from(next).map_err(|_| {
+                Error::failed("the meshes have more nodes, triangles and vertices than 32 bits count: hide some of them")
+            })?;
+            let projection = projection_of(frame.uniform(), &draw.uniform().view_from_object, wanted);
+            let view = CutView::new(&projection, &part.tree.grid);
+            uniform.stretch = view.stretch();
+            let mut add = |kind, count: u32, uniform| {
+                if count > 0 {
+                    let draw_offset = draw.uniform_offset();
+                    planned.push(Planned { kind, count, part: number, draw_offset, pixels });
+                    uniforms.push(uniform);
+                }
+            };
+            match wanted.method {
+                Method::Classic => {
+                    took.triangles += u64::from(part.triangle_count);
+                    add(Kind::AllTriangles, part.triangle_count, uniform);
+                }
+                Method::Points => {
+                    took.splats += u64::from(part.vertex_count);
+                    add(Kind::Points, part.vertex_count, uniform);
+                }
+                Method::Pop => {
+                    let two_sided = draw.flags().contains(pointstage_plugin_api::DrawFlags::TWO_SIDED);
+                    let view = if two_sided && projection.cull_backs {
+                        CutView::new(&Projection { cull_backs: false, ..projection }, &part.tree.grid)
+                    } else {
+                        view
+                    };
+                    let cut = self.cuts[number].update(part, &view, wanted.is_coherent, took);
+                    let (splats, triangles) = (cut.splats.len() as u32, cut.triangles.len() as u32);
+                    let list_first = LIST_HEAD;
+                    add(Kind::Splats, splats, TreeUniform { count_at: 0, list_first, ..uniform });
+                    let list_first = LIST_HEAD + splats;
+                    add(Kind::Triangles, triangles, TreeUniform { count_at: 1, list_first, ..uniform });
+                }
+            }
+        }
+        Ok((planned, uniforms))
+    }
+
+    /// Records what is planned.
+    fn record(
+        &mut self,
+        prepared: &Pop,
+        frame: &mut Frame<'_>,
+        wanted: &Wanted,
+        targets: &Targets,
+        (planned, uniforms): (&[Planned], &[TreeUniform]),
+    ) -> Result<()> {
+        let passes = &*prepared.passes;
+        let uniform_buffer = self.write_uniforms(passes, uniforms)?;
+        for cut in &mut self.cuts {
+            cut.write_list(passes, &uniform_buffer)?;
+        }
+        let source = self.ready_visible(passes, frame.size_px(), wanted.path)?;
+        let missing = || Error::failed("the view's buffers were not made before recording");
+        let (Some(visible), cuts) = (&self.visible, &self.cuts) else {
+            return Err(missing());
+        };
+        let draws = (0..)
+            .zip(planned)
+            .map(|(uniform, draw)| {
+                let list = cuts[draw.part].list.as_ref().ok_or_else(missing)?;
+                Ok(Draw {
+                    kind: draw.kind,
+                    count: draw.count,
+                    uniform,
+                    draw_offset: draw.draw_offset,
+                    tree: &prepared.parts[draw.part].group,
+                    list: &list.group,
+                    pixels: draw.pixels,
+                })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let mut recorder = Recorder::new();
+        let group = frame.group();
+        let shading = match visible {
+            Visible::Buffers { pixels, large, arguments, group: pixel_group, shading, .. } => {
+                recorder.clear_buffer(pixels);
+                let bound = Pixels { group: pixel_group, large, arguments };
+                for &kernel in passes.kernel_order() {
+                    for draw in &draws {
+                        let kernels = passes.compute(draw.kind, wanted.is_disk, kernel)?;
+                        record_kernels(&mut recorder, group, draw, &kernels, passes.group_size(), &bound);
+                    }
+                }
+                shading
+            }
+            Visible::Textures { primitives, depth, shading, .. } => {
+                let colours = [Some(ColourAttachment::clear(primitives, [0.0; 4]))];
+                let mut pass = recorder.render_pass("primitives", &colours, Some(DepthAttachment::clear(depth)));
+                for draw in &draws {
+                    let pipeline = passes.raster(draw.kind, wanted.is_disk)?;
+                    record_raster(&mut pass, group, draw, &pipeline);
+                }
+                drop(pass);
+                shading
+            }
+        };
+        let set = targets.all();
+        let mut look = Vec::new();
+        look.extend(wanted.is_gouraud.then_some("gouraud"));
+        look.extend(wanted.has_pop_colours.then_some("pop_colours"));
+        let pipeline = passes.shading(source, set, &look)?;
+        record_shading(&mut recorder, group, &draws, shading, (targets, set), &pipeline);
+        frame.submit(recorder);
+        frame.report(statistics::PATH, f64::from(u8::from(source == Source::Pixels)));
+        Ok(())
+    }
+
+    /// Writes the uniforms of the draws; the buffer with them.
+    fn write_uniforms(&mut self, passes: &Passes, uniforms: &[TreeUniform]) -> Result<Buffer> {
+        let mut words = vec![0_u32; uniforms.len() * STRIDE as usize / 4];
+        for (uniform, place) in uniforms.iter().zip(words.chunks_exact_mut(STRIDE as usize / 4)) {
+            let bytes: &[u32] = bytemuck::cast_slice(core::slice::from_ref(uniform));
+            place[..bytes.len()].copy_from_slice(bytes);
+        }
+        let bytes = 4 * words.len() as u64;
+        let buffer = match &self.uniforms {
+            Some((capacity, buffer)) if *capacity >= bytes => buffer.clone(),
+            _ => {
+                let capacity = bytes.next_power_of_two();
+                let buffer = passes.gpu.buffer("trees", capacity, BufferUsage::UNIFORM | BufferUsage::COPY_DST)?;
+                self.uniforms = Some((capacity, buffer.clone()));
+                buffer
+            }
+        };
+        passes.gpu.write(&buffer, 0, &words)?;
+        Ok(buffer)
+    }
+
+    /// Buffers or textures of the picture's size, and which of them.
+    fn ready_visible(&mut self, passes: &Passes, size_px: [u32; 2], path: Path) -> Result<Source> {
+        let gpu = &passes.gpu;
+        let bytes = PIXEL_BYTES * u64::from(size_px[0]) * u64::from(size_px[1]);
+        let limit = gpu.limit("max_storage_buffer_binding_size").unwrap_or(128 << 20);
+        let wanted = match path {
+            Path::Raster => false,
+            Path::Compute => true,
+            Path::Auto => gpu.is_software(),
+        };
+        let by_compute = wanted && bytes <= limit;
+        if wanted && !by_compute && path == Path::Compute && !self.warned {
+            self.warned = true;
+            self.host.performance_warning(
+                "drawn by the raster path, not by compute: the picture has more pixels than a storage buffer of this device holds",
+            );
+        }
+        let fits = match &self.visible {
+            Some(Visible::Buffers { size_px: its, .. }) => by_compute && *its == size_px,
+            Some(Visible::Textures { size_px: its, .. }) => !by_compute && *its == size_px,
+            None => false,
+        };
+        if !fits {
+            // What is too large or too small goes before the new one comes.
+            self.visible = None;
+            self.visible = Some(if by_compute {
+                Visible::buffers(passes, size_px, bytes)?
+            } else {
+                Visible::textures(passes, size_px)?
+            });
+        }
+        Ok(if by_compute { Source::Pixels } else { Source::Ids })
+    }
+}
+
+impl Visible {
+    fn buffers(passes: &Passes, size_px: [u32; 2], bytes: u64) -> Result<Self> {
+        let gpu = &passes.gpu;
+        let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
+        let pixels = gpu.buffer("visible pixels", bytes, storage)?;
+        let large = gpu.buffer("large triangles", 4 * (3 + LARGE_COUNT), storage | BufferUsage::COPY_SRC)?;
+        // Workgroups in x come from the count, one in y and z.
+        let arguments = gpu.buffer_with("large dispatch", BufferUsage::INDIRECT, &[0_u32, 1, 1])?;
+        let group = gpu.bind_group("visible pixels", &passes.pixels_layout, &[(0, &pixels), (1, &large)])?;
+        let shading = gpu.bind_group("visible pixels", &passes.visible_layout, &[(0, &pixels)])?;
+        Ok(Self::Buffers { size_px, pixels, large, arguments, group, shading })
+    }
+
+    fn textures(passes: &Passes, size_px: [u32; 2]) -> Result<Self> {
+        let gpu = &passes.gpu;
+        let texture = |label, format| {
+            gpu.texture(&TextureOptions {
+                label,
+                size: size_px,
+                layers: 1,
+                mip_level_count: 1,
+                format,
+                usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
+            })
+        };
+        let primitives = texture("visible primitives", Format::R32_UINT)?;
+        let depth = texture("depth", Format::DEPTH32_FLOAT)?;
+        let entries = [(0, primitives.as_handle()), (1, depth.as_handle())].map(|(binding, resource)| {
+            abi::BindingRecord { binding, resource, ..Default::default() }
+        });
+        let shading = gpu.bind_group_from(&abi::BindGroupDescriptor {
+            label: "visible primitives".into(),
+            layout: passes.textures_layout.handle(),
+            entries: entries.as_slice().into(),
+        })?;
+        Ok(Self::Textures { size_px, primitives, depth, shading })
+    }
+}
+
+impl PartCut {
+    /// The part's cut for a view.
+    fn update(&mut self, part: &Arc<Part>, view: &CutView, is_coherent: bool, took: &mut Took) -> &Cut {
+        let is_same = self.part.as_ref().is_some_and(|last| Arc::ptr_eq(last, part));
+        if !is_same {
+            self.part = Some(Arc::clone(part));
+            self.coherent.forget();
+        }
+        let start = Instant::now();
+        if is_coherent {
+            self.coherent.update(&part.tree, view, &mut self.cut);
+        } else {
+            self.coherent.forget();
+            full(&part.tree, view, &mut self.cut);
+        }
+        took.selection += start.elapsed();
+        took.splats += self.cut.splats.len() as u64;
+        took.triangles += self.cut.triangles.len() as u64;
+        took.evaluated += self.cut.counts.evaluated;
+        took.culled += self.cut.counts.culled;
+        &self.cut
+    }
+
+    /// Writes the cut's list to the device.
+    fn write_list(&mut self, passes: &Passes, uniforms: &Buffer) -> Result<()> {
+        let gpu = &passes.gpu;
+        let Cut { splats, triangles, .. } = &self.cut;
+        let bytes = 4 * (u64::from(LIST_HEAD) + self.cut.len() as u64);
+        let uniform_handle = uniforms.as_handle();
+        let fits = |list: &List| list.bytes >= bytes && list.uniforms == uniform_handle;
+        if !self.list.as_ref().is_some_and(fits) {
+            let capacity = bytes.next_power_of_two();
+            let buffer = gpu.buffer("list", capacity, BufferUsage::STORAGE | BufferUsage::COPY_DST)?;
+            let entries = [
+                abi::BindingRecord {
+                    binding: 0,
+                    resource: uniform_handle,
+                    offset: 0,
+                    size: UNIFORM_BYTES,
+                },
+                abi::BindingRecord {
+                    binding: 1,
+                    resource: buffer.as_handle(),
+                    ..Default::default()
+                },
+            ];
+            let group = gpu.bind_group_from(&abi::BindGroupDescriptor {
+                label: "list".into(),
+                layout: passes.list_layout.handle(),
+                entries: entries.as_slice().into(),
+            })?;
+            self.list = Some(List { bytes: capacity, buffer, uniforms: uniform_handle, group });
+        }
+        let Some(list) = &self.list else { return Ok(()) };
+        let head = [splats.len() as u32, triangles.len() as u32];
+        gpu.write(&list.buffer, 0, &head)?;
+        if !splats.is_empty() {
+            gpu.write(&list.buffer, 4 * u64::from(LIST_HEAD), splats)?;
+        }
+        if !triangles.is_empty() {
+            gpu.write(&list.buffer, 4 * (u64::from(LIST_HEAD) + splats.len() as u64), triangles)?;
+        }
+        Ok(())
+    }
+}
+
+/// The camera, as a cut needs it.
+fn projection_of(uniform: &FrameUniform, view_from_object: &[[f32; 4]; 4], wanted: &Wanted) -> Projection {
+    Projection {
+        view_from_object: Mat4::from_cols_array_2d(view_from_object),
+        clip_from_view: Mat4::from_cols_array_2d(&uniform.clip_from_view),
+        size_px: uniform.tile_size_px,
+        pixels_per_unit: uniform.pixels_per_unit,
+        is_orthographic: uniform.is_orthographic != 0,
+        threshold_px: wanted.threshold_px,
+        cull_backs: wanted.cull_backs,
+    }
+}
+
+/// Reports what a frame took.
+fn report(frame: &mut Frame<'_>, prepared: &Pop, took: &Took) {
+    let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
+    let nodes: usize = prepared.parts.iter().map(|part| part.tree.nodes.len()).sum();
+    let build: Duration = prepared.parts.iter().map(|part| part.build_time).sum();
+    frame.report(statistics::SPLATS_DRAWN, took.splats as f64);
+    frame.report(statistics::TRIANGLES_DRAWN, took.triangles as f64);
+    frame.report(statistics::NODES_VISITED, took.evaluated as f64);
+    frame.report("front_length", (took.splats + took.triangles) as f64);
+    frame.report("nodes_culled", took.culled as f64);
+    frame.report("selection_ms", milliseconds(took.selection));
+    frame.report("tree_nodes", nodes as f64);
+    frame.report("tree_ms", milliseconds(build));
+}

@@ -1,0 +1,46 @@
+//! The folder that a command writes its findings into.
+
+use std::path::{Path, PathBuf};
+
+use crate::{Outcome, paths, process};
+
+/// A folder that is there.
+pub(crate) struct OutFolder {
+    path: PathBuf,
+}
+
+impl OutFolder {
+    /// The folder at `path`, made if need be. It is kept as an absolute path: children are run inside it.
+    pub(crate) fn make(path: &Path) -> Outcome<Self> {
+        let error = |error| format!("{}: {error}", paths::shown(path));
+        let path = std::path::absolute(path).map_err(error)?;
+        std::fs::create_dir_all(&path).map_err(error)?;
+        Ok(Self { path })
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A folder inside it, made if need be.
+    pub(crate) fn folder(&self, name: &str) -> Outcome<Self> {
+        Self::make(&self.path.join(name))
+    }
+
+    /// Writes the file of this name; returns its path.
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> Outcome<PathBuf> {
+        let path = self.path.join(name);
+        std::fs::write(&path, bytes)
+            .map_err(|error| format!("{}: {error}", paths::shown(&path)))?;
+        Ok(path)
+    }
+}
+
+/// The commit that is checked out, for what is written; `-dirty` if files differ from it.
+pub(crate) fn commit() -> String {
+    let commit = process::output(&mut process::git(&["describe", "--always", "--dirty"]));
+    commit.map_or_else(
+        || "an unknown commit".to_owned(),
+        |commit| commit.trim().to_owned(),
+    )
+}
