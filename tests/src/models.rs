@@ -71,6 +71,45 @@ pub fn coloured(name: &str, surfels: &[Surfel], colour: impl FnMut(&Surfel) -> V
     Object::new(name, DVec3::ZERO, Geometry::new(vec![block], None, origins))
 }
 
+/// The same as [`object`] with triangles over the surfels.
+pub fn meshed(name: &str, vertices: &[Surfel], triangles: &[[u32; 3]]) -> Object {
+    let mut object = object(name, vertices);
+    let Geometry { blocks, origins, .. } = (*object.geometry).clone();
+    object.geometry = Geometry::new(blocks, Some(triangles.into()), origins).into();
+    object
+}
+
+/// A closed sphere of about radius 1 with dents, as a mesh: its vertices and `2 * rings * sides` triangles, wound outward; those at
+/// the poles have no area.
+pub fn dented_mesh(rings: u32, sides: u32) -> (Vec<Surfel>, Vec<[u32; 3]>) {
+    let centre = |ring: u32, side: u32| {
+        let (sine, cosine) = (core::f64::consts::PI * f64::from(ring) / f64::from(rings)).sin_cos();
+        let turn = core::f64::consts::TAU * f64::from(side % sides) / f64::from(sides);
+        let normal = DVec3::new(turn.sin() * sine, cosine, turn.cos() * sine);
+        normal * (1.0 + 0.1 * (7.0 * normal.x).sin() * (5.0 * normal.y).cos())
+    };
+    let vertex = |number: u32| {
+        let (ring, side) = (number / sides, number % sides);
+        let here = centre(ring, side);
+        let along = centre((ring + 1).min(rings), side) - centre(ring.saturating_sub(1), side);
+        let across = centre(ring, side + 1) - centre(ring, side + sides - 1);
+        let normal = along.cross(across).try_normalize().unwrap_or(here.normalize());
+        Surfel {
+            centre: here.as_vec3(),
+            radius: 0.01,
+            normal: normal.as_vec3(),
+            axes: None,
+        }
+    };
+    let vertices = (0..(rings + 1) * sides).map(vertex).collect();
+    let cell = |number: u32| {
+        let (ring, side) = (number / sides, number % sides);
+        let [here, next] = [side, (side + 1) % sides].map(|side| ring * sides + side);
+        [[here, here + sides, next + sides], [here, next + sides, next]]
+    };
+    (vertices, (0..rings * sides).flat_map(cell).collect())
+}
+
 /// Surfels on a unit sphere with dents, each of about `radius`.
 pub fn ball(count: usize, radius: f32, seed: u64) -> Vec<Surfel> {
     let mut random = Random(seed);

@@ -1,10 +1,11 @@
 //! What the first-party renderers draw of scenes in memory, target by target: one stage, one size, two paths.
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::DVec3;
 use pointstage_engine::stage::{FrameRequest, FrameResult, Plane, SettingValue, Stage, Tile};
-use pointstage_scene::{Camera, Projection, Scene};
+use pointstage_scene::{Camera, Job, LoadOptions, Object, Projection, Scene, load};
 
 use crate::data::skip;
 use crate::stages;
@@ -26,7 +27,7 @@ pub type Setting = (&'static str, SettingValue);
 pub fn stage() -> Option<MutexGuard<'static, Stage>> {
     static STAGE: OnceLock<Mutex<Stage>> = OnceLock::new();
     let open = || {
-        Mutex::new(stages::stage(&["points", "surfel", "hqss", "ewa_reference"]).expect("a stage"))
+        Mutex::new(stages::stage(&["points", "surfel", "hqss", "pop", "ewa_reference"]).expect("a stage"))
     };
     let stage = STAGE.get_or_init(open);
     let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
@@ -74,6 +75,23 @@ pub fn request(
         .map(|(id, value)| ((*id).to_owned(), value.clone()))
         .collect();
     request
+}
+
+/// A scene of one object.
+pub fn scene_of(object: Object) -> Arc<Scene> {
+    let mut scene = Scene::new();
+    scene.add(object);
+    Arc::new(scene)
+}
+
+/// The object of a model file.
+///
+/// # Panics
+/// When it does not load.
+pub fn loaded(path: &Path) -> Object {
+    load(path, &LoadOptions::default(), &Job::new())
+        .expect("it loads")
+        .object
 }
 
 /// The value of a choice.

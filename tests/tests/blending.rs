@@ -8,18 +8,12 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use pointstage_engine::stage::{FrameRequest, FrameResult, Plane, SettingValue, Stage};
 use pointstage_plugin_api::columns::TangentAxes;
-use pointstage_scene::{Camera, Object, Scene};
+use pointstage_scene::{Camera, Scene};
 use pointstage_tests::models::{Random, Surfel, ball, coloured, object};
 use pointstage_tests::shots::{
     NEAR, SIZE_PX, Setting, blended, both_paths, choice, draw, floats, orthographic, perspective,
-    psnr, request, stage,
+    psnr, request, scene_of, stage,
 };
-
-fn scene_of(object: Object) -> Arc<Scene> {
-    let mut scene = Scene::new();
-    scene.add(object);
-    Arc::new(scene)
-}
 
 fn hqss(scene: &Arc<Scene>, camera: Camera, settings: &[Setting]) -> FrameRequest {
     request(scene, camera, "hqss", settings)

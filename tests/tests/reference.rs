@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,13 +11,13 @@ use pointstage_engine::stage::{
     Background, FrameRequest, FrameResult, SettingValue, Stage, StageOptions, ViewportId,
 };
 use pointstage_plugin_api::abi::Interaction;
-use pointstage_scene::{Camera, Job, LoadOptions, Object, Scene, load};
+use pointstage_scene::{Camera, Scene};
 use pointstage_tests::data::{long, sample, shared, skip};
 use pointstage_tests::models::{Surfel, ball, coloured, object};
 use pointstage_tests::program::plugin_library;
 use pointstage_tests::shots::{
-    NEAR, SIZE_PX, Setting, choice, draw, floats, in_tiles, orthographic, perspective, psnr,
-    request, stage, uints,
+    NEAR, SIZE_PX, Setting, choice, draw, floats, in_tiles, loaded, orthographic, perspective,
+    psnr, request, scene_of, stage, uints,
 };
 use pointstage_tests::stages;
 
@@ -27,12 +26,6 @@ const TRUTH: [Setting; 2] = [
     ("samples", SettingValue::Int(4)),
     ("filter", SettingValue::Bool(false)),
 ];
-
-fn scene_of(object: Object) -> Arc<Scene> {
-    let mut scene = Scene::new();
-    scene.add(object);
-    Arc::new(scene)
-}
 
 /// Colourful, so that whatever blends shows.
 fn beach_ball() -> Arc<Scene> {
@@ -166,12 +159,6 @@ fn hqss_comes_within_thirty_eight_decibels_of_it() {
             assert!(found >= least, "{found:.1} dB, {settings:?}");
         }
     }
-}
-
-fn loaded(path: &Path) -> Object {
-    load(path, &LoadOptions::default(), &Job::new())
-        .expect("it loads")
-        .object
 }
 
 /// How far two renderers' pictures of the snake are apart.

@@ -6,9 +6,9 @@
 //! ```
 //!
 //! For each mesh the median of [`RUNS`] builds on all threads and on one, milliseconds and nanoseconds a triangle, and the
-//! medians of hashing the mesh, writing the file (to the temporary folder) and reading it, with the file in the cache. The calibration line is a
-//! fixed run of arithmetic and of memory traffic, so that figures from different days can be told apart from different
-//! machines.
+//! medians of hashing the mesh, writing the file (to the temporary folder) and reading it, with the file in the cache. The
+//! calibration line is a fixed run of arithmetic and of memory traffic, so that figures from different days can be told
+//! apart from different machines.
 
 use pointstage_plugin_api::columns;
 use pointstage_plugin_api::glam::{Vec3, Vec4};
@@ -20,12 +20,17 @@ use std::time::Instant;
 const RUNS: usize = 5;
 
 /// Triangles of the squares, in thousands.
-const SQUARES: [u32; 12] = [100, 200, 300, 400, 500, 600, 700, 800, 900, 1000, 2000, 4000];
+const SQUARES: [u32; 12] = [
+    100, 200, 300, 400, 500, 600, 700, 800, 900, 1000, 2000, 4000,
+];
 
 fn main() {
     // `cargo bench` adds --bench, `cargo test --benches` adds nothing: then one small run shows that it works.
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let sizes: Vec<u32> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+    let sizes: Vec<u32> = arguments
+        .iter()
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
     let bench = arguments.iter().any(|argument| argument == "--bench");
     calibrate();
     println!(
@@ -73,18 +78,29 @@ fn patch(columns: u32, rows: u32, at: impl Fn(f32, f32) -> (Vec3, Vec3)) -> Surf
             [[a, b, d], [a, d, c]]
         })
         .collect();
-    Surface { positions, normals, colours, triangles }
+    Surface {
+        positions,
+        normals,
+        colours,
+        triangles,
+    }
 }
 
 fn square(triangles: u32) -> Surface {
     let rows = (triangles / 2).isqrt();
-    patch(triangles / 2 / rows, rows, |u, v| (Vec3::new(u, v, 0.0), Vec3::Z))
+    patch(triangles / 2 / rows, rows, |u, v| {
+        (Vec3::new(u, v, 0.0), Vec3::Z)
+    })
 }
 
 fn sphere(triangles: u32) -> Surface {
     patch(1000, triangles / 2000, |u, v| {
         let (longitude, latitude) = (TAU * u, PI * (v - 0.5));
-        let normal = Vec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
+        let normal = Vec3::new(
+            latitude.cos() * longitude.cos(),
+            latitude.cos() * longitude.sin(),
+            latitude.sin(),
+        );
         (normal, normal)
     })
 }
@@ -109,7 +125,9 @@ fn measure(name: &str, surface: &Surface) {
         blocks: &[block],
         triangles: &surface.triangles,
     };
-    let built = |threads: usize| build(&mesh, threads, &mut |_, _| true).unwrap_or_else(|error| panic!("{error}"));
+    let built = |threads: usize| {
+        build(&mesh, threads, &mut |_, _| true).unwrap_or_else(|error| panic!("{error}"))
+    };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("bench.pop");
@@ -118,11 +136,17 @@ fn measure(name: &str, surface: &Surface) {
     let on_all = median(|| drop(built(threads)));
     let on_one = median(|| drop(built(1)));
     let hashing = median(|| assert_eq!(fingerprint(&mesh, threads), hash));
-    let writing = median(|| file::write(&path, &tree, &hash).unwrap_or_else(|error| panic!("{error}")));
-    let reading = median(|| drop(file::read(&path, &hash).unwrap_or_else(|error| panic!("{error}"))));
+    let writing =
+        median(|| file::write(&path, &tree, &hash).unwrap_or_else(|error| panic!("{error}")));
+    let reading =
+        median(|| drop(file::read(&path, &hash).unwrap_or_else(|error| panic!("{error}"))));
     let triangles = surface.triangles.len();
     let per_triangle = |seconds: f64| {
-        format!("{:.1} ms {:>4.0} ns", seconds * 1e3, seconds * 1e9 / triangles as f64)
+        format!(
+            "{:.1} ms {:>4.0} ns",
+            seconds * 1e3,
+            seconds * 1e9 / triangles as f64
+        )
     };
     println!(
         "{name:<8} {triangles:>9} {:>9}  {:>17}  {:>17}  {:>5.1} ms {:>5.1} ms {:>5.1} ms",
@@ -153,7 +177,11 @@ fn calibrate() {
     let start = Instant::now();
     let mut state = 1_u64;
     for _ in 0..100_000_000 {
-        state = std::hint::black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+        state = std::hint::black_box(
+            state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1),
+        );
     }
     let arithmetic = start.elapsed().as_secs_f64();
     let start = Instant::now();

@@ -8,7 +8,9 @@
 //! * Colours are means in sRGB as stored: what a splat replaces is a texture's filter, and those average so as well.
 
 use crate::mesh::Mesh;
-use crate::node::{NO_CONE, Node, decode_half_angle, decode_normal20, encode_half_angle, encode_normal20};
+use crate::node::{
+    NO_CONE, Node, decode_half_angle, decode_normal20, encode_half_angle, encode_normal20,
+};
 use bytemuck::{Pod, Zeroable};
 use pointstage_plugin_api::glam::Vec3;
 
@@ -47,8 +49,17 @@ pub(crate) struct Attributes {
 }
 
 /// Those of a leaf. `step`: scene units a step of the grid.
-pub(crate) fn of_triangle(mesh: &Mesh<'_>, corners: [u32; 3], positions: [Vec3; 3], step: f32) -> (Attributes, Sums) {
-    let vertex_normal = corners.iter().filter_map(|&corner| mesh.normal(corner)).sum::<Vec3>().try_normalize();
+pub(crate) fn of_triangle(
+    mesh: &Mesh<'_>,
+    corners: [u32; 3],
+    positions: [Vec3; 3],
+    step: f32,
+) -> (Attributes, Sums) {
+    let vertex_normal = corners
+        .iter()
+        .filter_map(|&corner| mesh.normal(corner))
+        .sum::<Vec3>()
+        .try_normalize();
     let (face_normal, area) = face(positions, f64::from(step));
     let own = match (face_normal, vertex_normal) {
         (Some(face), Some(vertex)) if face.dot(vertex) < 0.0 => Some(-face),
@@ -82,14 +93,32 @@ pub(crate) fn of_children(children: &[Node], sums: &[Sums]) -> (Attributes, Sums
         weight += sums.weight;
         directed |= sums.directed;
     }
-    let with_normal = || children.iter().zip(sums).filter(|(_, sums)| sums.directed != 0).map(|(child, _)| child);
+    let with_normal = || {
+        children
+            .iter()
+            .zip(sums)
+            .filter(|(_, sums)| sums.directed != 0)
+            .map(|(child, _)| child)
+    };
     // Opposite normals may leave nothing: then one of them is as good as another.
-    let mean = normal.try_normalize().or_else(|| with_normal().next().map(|child| child.normal()));
+    let mean = normal
+        .try_normalize()
+        .or_else(|| with_normal().next().map(|child| child.normal()));
     let normal_code = encode_normal20(mean.unwrap_or(Vec3::Z));
     let axis = decode_normal20(normal_code);
-    let cone_code = with_normal().fold(0, |widest: u8, child| widest.max(cone_around(axis, *child)));
-    let attributes = Attributes { normal_code, cone_code, colour: (colour / weight).to_array() };
-    let sums = Sums { normal: normal.to_array(), weight, colour: colour.to_array(), directed };
+    let cone_code =
+        with_normal().fold(0, |widest: u8, child| widest.max(cone_around(axis, *child)));
+    let attributes = Attributes {
+        normal_code,
+        cone_code,
+        colour: (colour / weight).to_array(),
+    };
+    let sums = Sums {
+        normal: normal.to_array(),
+        weight,
+        colour: colour.to_array(),
+        directed,
+    };
     (attributes, sums)
 }
 
@@ -98,7 +127,9 @@ fn cone_around(axis: Vec3, child: Node) -> u8 {
     if child.cone_code() == NO_CONE {
         return NO_CONE;
     }
-    encode_half_angle(angle(axis, child.normal()) + decode_half_angle(child.cone_code()) + ANGLE_ROUNDING)
+    encode_half_angle(
+        angle(axis, child.normal()) + decode_half_angle(child.cone_code()) + ANGLE_ROUNDING,
+    )
 }
 
 /// Angle between unit vectors; radians. From the chord, as a cosine says little of small angles.
@@ -109,7 +140,8 @@ fn angle(a: Vec3, b: Vec3) -> f32 {
 /// Unit normal and area of a triangle, in squares of the grid; no normal if it has no area.
 fn face(positions: [Vec3; 3], step: f64) -> (Option<Vec3>, f32) {
     let [a, b, c] = positions.map(Vec3::as_dvec3);
-    let (u, v) = ((b - a) / step, (c - a) / step);
+    let steps = step.recip();
+    let (u, v) = ((b - a) * steps, (c - a) * steps);
     let cross = u.cross(v);
     let length = cross.length();
     // Written so that NaN counts as no area.
@@ -120,8 +152,12 @@ fn face(positions: [Vec3; 3], step: f64) -> (Option<Vec3>, f32) {
     }
 }
 
+/// Mean of the vertices' colours.
 fn colour_of(mesh: &Mesh<'_>, corners: [u32; 3]) -> Vec3 {
-    let known = || corners.iter().filter_map(|&corner| mesh.colour(corner));
-    let count = known().count();
-    if count == 0 { GREY } else { known().sum::<Vec3>() / count as f32 }
+    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+    for colour in corners.iter().filter_map(|&corner| mesh.colour(corner)) {
+        sum += colour;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { GREY }
 }

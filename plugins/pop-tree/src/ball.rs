@@ -23,7 +23,9 @@ pub(crate) struct Ball {
 impl Ball {
     /// Radius of the least ball round `centre` that holds all balls.
     pub(crate) fn reach(centre: DVec3, balls: &[Ball]) -> f64 {
-        balls.iter().fold(0.0, |reach: f64, ball| reach.max(centre.distance(ball.centre) + ball.radius))
+        balls.iter().fold(0.0, |reach: f64, ball| {
+            reach.max(centre.distance(ball.centre) + ball.radius)
+        })
     }
 }
 
@@ -51,7 +53,11 @@ pub(crate) fn centre_of_triangle(corners: [DVec3; 3]) -> DVec3 {
         + (v.cross(normal) * u.length_squared() + normal.cross(u) * v.length_squared())
             / (2.0 * normal.length_squared());
     // Three corners in a row leave nothing to divide by.
-    if circumcentre.is_finite() { circumcentre } else { middle }
+    if circumcentre.is_finite() {
+        circumcentre
+    } else {
+        middle
+    }
 }
 
 /// The least ball around up to four balls.
@@ -59,7 +65,10 @@ pub(crate) fn around_balls(balls: &[Ball]) -> Ball {
     let Some(pair) = widest_pair(balls) else {
         return balls.first().copied().unwrap_or_default();
     };
-    let mut best = Ball { centre: pair.centre, radius: Ball::reach(pair.centre, balls) };
+    let mut best = Ball {
+        centre: pair.centre,
+        radius: Ball::reach(pair.centre, balls),
+    };
     // No ball is less than the least one around two of those in it.
     if best.radius <= pair.radius * (1.0 + ROUNDING) {
         return best;
@@ -99,7 +108,11 @@ fn widest_pair(balls: &[Ball]) -> Option<Ball> {
 
 /// The least ball around two.
 fn around_two(first: &Ball, second: &Ball) -> Ball {
-    let (large, small) = if first.radius >= second.radius { (first, second) } else { (second, first) };
+    let (large, small) = if first.radius >= second.radius {
+        (first, second)
+    } else {
+        (second, first)
+    };
     let apart = large.centre.distance(small.centre);
     if large.radius >= apart + small.radius {
         return *large;
@@ -115,7 +128,11 @@ fn tangent_to_three(balls: [Ball; 3]) -> [DVec3; 2] {
     let [d1, d2] = others.map(|ball| ball.centre - base.centre);
     let normal = d1.cross(d2);
     let scale = normal.length_squared().recip();
-    tangent(base, others, [d2.cross(normal) * scale, normal.cross(d1) * scale])
+    tangent(
+        base,
+        others,
+        [d2.cross(normal) * scale, normal.cross(d1) * scale],
+    )
 }
 
 /// Centres of the balls that four balls touch from within.
@@ -123,7 +140,15 @@ fn tangent_to_four(balls: [Ball; 4]) -> [DVec3; 2] {
     let [base, others @ ..] = balls;
     let [d1, d2, d3] = others.map(|ball| ball.centre - base.centre);
     let scale = d1.dot(d2.cross(d3)).recip();
-    tangent(base, others, [d2.cross(d3) * scale, d3.cross(d1) * scale, d1.cross(d2) * scale])
+    tangent(
+        base,
+        others,
+        [
+            d2.cross(d3) * scale,
+            d3.cross(d1) * scale,
+            d1.cross(d2) * scale,
+        ],
+    )
 }
 
 /// Centres of the balls that the base and the others touch from within; not finite where there is none.
@@ -174,7 +199,8 @@ mod tests {
         let mut reach = Ball::reach(centre, balls);
         let farthest = |centre: DVec3| {
             balls.iter().copied().max_by(|a, b| {
-                (centre.distance(a.centre) + a.radius).total_cmp(&(centre.distance(b.centre) + b.radius))
+                (centre.distance(a.centre) + a.radius)
+                    .total_cmp(&(centre.distance(b.centre) + b.radius))
             })
         };
         for _ in 0..3000 {
@@ -210,13 +236,22 @@ mod tests {
     #[test]
     fn extreme_sizes_stay_finite() {
         for scale in [1e-45, 1e-30, 1e30, 1e38] {
-            let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 0.9, 0.1]].map(|at| DVec3::from_array(at) * scale);
+            let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 0.9, 0.1]]
+                .map(|at| DVec3::from_array(at) * scale);
             let centre = centre_of_triangle(corners);
             let reach = corners.map(|corner| corner.distance(centre) / scale);
-            assert!(reach.iter().all(|reach| (reach - reach.clamp(0.5, 0.6)).abs() < 1e-6), "{reach:?}");
+            assert!(
+                reach
+                    .iter()
+                    .all(|reach| (reach - reach.clamp(0.5, 0.6)).abs() < 1e-6),
+                "{reach:?}"
+            );
             let apex = DVec3::new(0.3, 0.3, 0.8) * scale;
             let [a, b, c] = corners;
-            let balls = [a, b, c, apex].map(|centre| Ball { centre, radius: 0.1 * scale });
+            let balls = [a, b, c, apex].map(|centre| Ball {
+                centre,
+                radius: 0.1 * scale,
+            });
             let ball = around_balls(&balls);
             assert!((0.6..0.75).contains(&(ball.radius / scale)), "{ball:?}");
         }

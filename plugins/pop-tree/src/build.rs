@@ -7,9 +7,9 @@
 //!    one node.
 //! 4. The nodes are laid out from the root, children side by side (`layout.rs`).
 //!
-//! A sphere is found in f64 from what is stored of the spheres (corners) in it, its centre moved to the grid, and its radius taken from
-//! there and rounded up; so what is stored does hold what is stored below it. Besides, a parent's radius is greater than its
-//! children's by a step of the code at least: with it, what a view draws always ends at the leaves.
+//! A sphere is found in f64 from what is stored of the spheres (corners) in it, its centre moved to the grid, and its radius
+//! taken from there and rounded up; so what is stored does hold what is stored below it. Besides, a parent's radius is greater
+//! than its children's by a step of the code at least: with it, what a view draws always ends at the leaves.
 //!
 //! The result depends on the mesh alone, not on the number of threads.
 //!
@@ -34,10 +34,10 @@ const NODES_END: usize = 1 << 30;
 /// Triangles or nodes that a task takes; with more, the set is halved into two tasks.
 const STRETCH: usize = 1 << 13;
 
-/// Units of work of a leaf, of a node in one halving, and of an inner node; see [`Crew::new`].
-const LEAF_UNITS: u64 = 30;
-const HALVING_UNITS: u64 = 2;
-const PARENT_UNITS: u64 = 60;
+/// Units of work of a leaf, of a node in one halving, and of an inner node; about nanoseconds on one core.
+const LEAF_UNITS: u64 = 350;
+const HALVING_UNITS: u64 = 9;
+const PARENT_UNITS: u64 = 450;
 
 /// Why a tree was not built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -47,7 +47,9 @@ pub enum BuildError {
     #[error("building was cancelled")]
     Cancelled,
     /// A triangle names a vertex that there is not.
-    #[error("triangle {triangle}: has the vertex {vertex}, but the mesh has {vertex_count} vertices, numbered from 0; repair the mesh")]
+    #[error(
+        "triangle {triangle}: has the vertex {vertex}, but the mesh has {vertex_count} vertices, numbered from 0; repair the mesh"
+    )]
     VertexOutOfRange {
         /// Number of the triangle.
         triangle: usize,
@@ -57,7 +59,9 @@ pub enum BuildError {
         vertex_count: usize,
     },
     /// A vertex of a triangle lies nowhere, or too far away to be reckoned with.
-    #[error("triangle {triangle}: its vertex {vertex} lies at {position:?}, not at finite coordinates of at most 1e37; repair the mesh")]
+    #[error(
+        "triangle {triangle}: its vertex {vertex} lies at {position:?}, not at finite coordinates of at most 1e37; repair the mesh"
+    )]
     VertexNotFinite {
         /// Number of the triangle.
         triangle: usize,
@@ -67,7 +71,9 @@ pub enum BuildError {
         position: [f32; 3],
     },
     /// The tree would have more nodes than links can tell apart.
-    #[error("the mesh has {triangles} triangles, whose tree would have {nodes} nodes, of at most 2^30 - 1; divide the mesh")]
+    #[error(
+        "the mesh has {triangles} triangles, whose tree would have {nodes} nodes, of at most 2^30 - 1; divide the mesh"
+    )]
     TooManyTriangles {
         /// Triangles of the mesh.
         triangles: usize,
@@ -94,7 +100,10 @@ pub fn build(
     let sizes = level_sizes(mesh.triangles.len());
     let nodes = sizes.iter().sum();
     if nodes >= NODES_END {
-        return Err(BuildError::TooManyTriangles { triangles: mesh.triangles.len(), nodes });
+        return Err(BuildError::TooManyTriangles {
+            triangles: mesh.triangles.len(),
+            nodes,
+        });
     }
     let mut crew = Crew::new(thread_count, all_units(&sizes), report);
     crew.tell("measuring")?;
@@ -128,24 +137,46 @@ fn all_units(sizes: &[usize]) -> u64 {
     let per_level = |&size: &usize| size as u64 * (LAYOUT_UNITS + HALVING_UNITS * halvings(size));
     let leaf_count = sizes.first().map_or(0, |&count| count as u64);
     let inner_count = sizes.iter().skip(1).map(|&count| count as u64).sum::<u64>();
-    sizes.iter().map(per_level).sum::<u64>() + leaf_count * (MEASURE_UNITS + LEAF_UNITS) + inner_count * PARENT_UNITS
+    sizes.iter().map(per_level).sum::<u64>()
+        + leaf_count * (MEASURE_UNITS + LEAF_UNITS)
+        + inner_count * PARENT_UNITS
 }
 
 /// The leaves' level, in the order of the triangles. The mesh was measured before.
-fn leaves(mesh: &Mesh<'_>, grid: &Grid, crew: &mut Crew<'_>) -> Result<(Level, Vec<Sums>), Cancelled> {
+fn leaves(
+    mesh: &Mesh<'_>,
+    grid: &Grid,
+    crew: &mut Crew<'_>,
+) -> Result<(Level, Vec<Sums>), Cancelled> {
     let count = mesh.triangles.len();
-    let (mut nodes, mut sums, mut records) = (zeroed_vec(count), zeroed_vec(count), zeroed_vec(count));
-    let outputs = nodes.chunks_mut(STRETCH).zip(sums.chunks_mut(STRETCH)).zip(records.chunks_mut(STRETCH));
-    let tasks = mesh.triangles.chunks(STRETCH).zip(outputs).enumerate().collect();
-    crew.run("bounding triangles", count, tasks, |(stretch, (triangles, ((nodes, sums), records))), hand: &Hand<'_, _>| {
-        let outputs = nodes.iter_mut().zip(sums).zip(records);
-        for ((number, &corners), ((node, sums), record)) in (stretch * STRETCH..).zip(triangles).zip(outputs) {
-            // Fewer than 2³⁰, so the number fits.
-            (*node, *sums) = leaf(mesh, grid, number as u32, corners);
-            *record = Record::new(node.place(), number as u32);
-        }
-        hand.advance(LEAF_UNITS * triangles.len() as u64);
-    })?;
+    let (mut nodes, mut sums, mut records) =
+        (zeroed_vec(count), zeroed_vec(count), zeroed_vec(count));
+    let outputs = nodes
+        .chunks_mut(STRETCH)
+        .zip(sums.chunks_mut(STRETCH))
+        .zip(records.chunks_mut(STRETCH));
+    let tasks = mesh
+        .triangles
+        .chunks(STRETCH)
+        .zip(outputs)
+        .enumerate()
+        .collect();
+    crew.run(
+        "bounding triangles",
+        count,
+        tasks,
+        |(stretch, (triangles, ((nodes, sums), records))), hand: &Hand<'_, _>| {
+            let outputs = nodes.iter_mut().zip(sums).zip(records);
+            for ((number, &corners), ((node, sums), record)) in
+                (stretch * STRETCH..).zip(triangles).zip(outputs)
+            {
+                // Fewer than 2³⁰, so the number fits.
+                (*node, *sums) = leaf(mesh, grid, number as u32, corners);
+                *record = Record::new(node.place(), number as u32);
+            }
+            hand.advance(LEAF_UNITS * triangles.len() as u64);
+        },
+    )?;
     Ok((Level { nodes, records }, sums))
 }
 
@@ -153,14 +184,24 @@ fn leaves(mesh: &Mesh<'_>, grid: &Grid, crew: &mut Crew<'_>) -> Result<(Level, V
 fn leaf(mesh: &Mesh<'_>, grid: &Grid, triangle: u32, corners: [u32; 3]) -> (Node, Sums) {
     // Measuring has found all vertices.
     let positions = corners.map(|corner| mesh.position(corner).unwrap_or(Vec3::ZERO));
-    let balls = positions.map(|corner| Ball { centre: corner.as_dvec3(), radius: 0.0 });
+    let balls = positions.map(|corner| Ball {
+        centre: corner.as_dvec3(),
+        radius: 0.0,
+    });
     let centre = centre_of_triangle(balls.map(|ball| ball.centre));
     let (attributes, sums) = attributes::of_triangle(mesh, corners, positions, grid.step);
     (node(grid, centre, &balls, 0, &attributes, triangle), sums)
 }
 
 /// A node round `centre`, or where the grid is nearest to it, that holds the balls.
-fn node(grid: &Grid, centre: DVec3, balls: &[Ball], least_code: u16, attributes: &Attributes, link: u32) -> Node {
+fn node(
+    grid: &Grid,
+    centre: DVec3,
+    balls: &[Ball],
+    least_code: u16,
+    attributes: &Attributes,
+    link: u32,
+) -> Node {
     let place = grid.quantise(centre.as_vec3());
     let reach = Ball::reach(grid.position(place).as_dvec3(), balls);
     Node::new(&NodeParts {
@@ -176,7 +217,11 @@ fn node(grid: &Grid, centre: DVec3, balls: &[Ball], least_code: u16, attributes:
 /// The next float that is not less.
 fn rounded_up(value: f64) -> f32 {
     let nearest = value as f32;
-    if f64::from(nearest) < value { nearest.next_up() } else { nearest }
+    if f64::from(nearest) < value {
+        nearest.next_up()
+    } else {
+        nearest
+    }
 }
 
 /// Groups a level's nodes, and makes the level of the groups.
@@ -188,19 +233,31 @@ fn group(
 ) -> Result<(Level, Vec<Sums>), Cancelled> {
     let size = level.nodes.len();
     let count = group_count(size);
-    let (mut nodes, mut parent_sums, mut records) = (zeroed_vec(count), zeroed_vec(count), zeroed_vec(count));
+    let (mut nodes, mut parent_sums, mut records) =
+        (zeroed_vec(count), zeroed_vec(count), zeroed_vec(count));
     let whole = Part {
         records: &mut level.records,
         first: 0,
-        parents: Parents { first: 0, nodes: &mut nodes, sums: &mut parent_sums, records: &mut records },
+        parents: Parents {
+            first: 0,
+            nodes: &mut nodes,
+            sums: &mut parent_sums,
+            records: &mut records,
+        },
     };
-    let children = Children { grid, nodes: &level.nodes, sums };
+    let children = Children {
+        grid,
+        nodes: &level.nodes,
+        sums,
+    };
     crew.run("grouping", size, vec![whole], |part: Part<'_>, hand| {
         let size = part.records.len();
         if size <= STRETCH {
             let parent_count = part.parents.nodes.len() as u64;
             children.divide(part);
-            hand.advance(HALVING_UNITS * size as u64 * halvings(size) + PARENT_UNITS * parent_count);
+            hand.advance(
+                HALVING_UNITS * size as u64 * halvings(size) + PARENT_UNITS * parent_count,
+            );
         } else {
             let (lower, upper) = part.halved(&|| hand.is_cancelled());
             hand.push(upper);
@@ -239,7 +296,12 @@ impl Part<'_> {
         let (lower_sums, upper_sums) = self.parents.sums.split_at_mut(lower_count);
         let (lower_records, upper_records) = self.parents.records.split_at_mut(lower_count);
         let parents = self.parents.first;
-        let lower_parents = Parents { first: parents, nodes: lower_nodes, sums: lower_sums, records: lower_records };
+        let lower_parents = Parents {
+            first: parents,
+            nodes: lower_nodes,
+            sums: lower_sums,
+            records: lower_records,
+        };
         let upper_parents = Parents {
             first: parents + lower_count as u32,
             nodes: upper_nodes,
@@ -247,8 +309,16 @@ impl Part<'_> {
             records: upper_records,
         };
         (
-            Self { records: lower, first: self.first, parents: lower_parents },
-            Self { records: upper, first: self.first + middle as u32, parents: upper_parents },
+            Self {
+                records: lower,
+                first: self.first,
+                parents: lower_parents,
+            },
+            Self {
+                records: upper,
+                first: self.first + middle as u32,
+                parents: upper_parents,
+            },
         )
     }
 }
@@ -272,7 +342,13 @@ impl Children<'_> {
         }
         // The order in a group says nothing, but is to be the same however the halves were found.
         part.records.sort_unstable_by_key(|record| record.node);
-        let Parents { first, nodes: [node], sums: [sums], records: [record] } = part.parents else {
+        let Parents {
+            first,
+            nodes: [node],
+            sums: [sums],
+            records: [record],
+        } = part.parents
+        else {
             unreachable!("a part of up to four nodes has room for one parent");
         };
         (*node, *sums) = self.parent(part.records, part.first);
@@ -298,6 +374,16 @@ impl Children<'_> {
         let balls = &balls[..count];
         let (attributes, sums) = attributes::of_children(&nodes[..count], &sums[..count]);
         let link = Node::link_to(first, count as u32);
-        (node(self.grid, around_balls(balls).centre, balls, least_code, &attributes, link), sums)
+        (
+            node(
+                self.grid,
+                around_balls(balls).centre,
+                balls,
+                least_code,
+                &attributes,
+                link,
+            ),
+            sums,
+        )
     }
 }

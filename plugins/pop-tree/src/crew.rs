@@ -36,8 +36,17 @@ struct Progress {
 
 impl<'r> Crew<'r> {
     /// A crew of at least one thread, for `total` units of work.
-    pub(crate) fn new(thread_count: usize, total: u64, report: &'r mut dyn FnMut(f32, &str) -> bool) -> Self {
-        Self { thread_count: thread_count.max(1), progress: Progress::default(), total: total.max(1), report }
+    pub(crate) fn new(
+        thread_count: usize,
+        total: u64,
+        report: &'r mut dyn FnMut(f32, &str) -> bool,
+    ) -> Self {
+        Self {
+            thread_count: thread_count.max(1),
+            progress: Progress::default(),
+            total: total.max(1),
+            report,
+        }
     }
 
     /// Does the tasks, in any order; `items` says how much there is to do, in nodes or triangles.
@@ -49,7 +58,10 @@ impl<'r> Crew<'r> {
         work: impl Fn(T, &Hand<'_, T>) + Sync,
     ) -> Result<(), Cancelled> {
         let queue = Queue::new(tasks);
-        let hand = Hand { queue: &queue, progress: &self.progress };
+        let hand = Hand {
+            queue: &queue,
+            progress: &self.progress,
+        };
         if items < WORTH_THREADS {
             hand.work_off(&work);
             return self.tell(stage);
@@ -77,7 +89,8 @@ impl<'r> Crew<'r> {
 
     /// Reports where the work stands.
     pub(crate) fn tell(&mut self, stage: &str) -> Result<(), Cancelled> {
-        let go_on = !self.progress.is_cancelled() && (self.report)(self.progress.fraction(self.total), stage);
+        let go_on = !self.progress.is_cancelled()
+            && (self.report)(self.progress.fraction(self.total), stage);
         if go_on { Ok(()) } else { Err(Cancelled) }
     }
 }
@@ -147,7 +160,13 @@ impl<T> Queue<T> {
     fn new(mut tasks: Vec<T>) -> Self {
         // Taken from the end: so the first task is the first done, and memory is walked upwards.
         tasks.reverse();
-        Self { state: Mutex::new(State { waiting: tasks, running: 0 }), changed: Condvar::new() }
+        Self {
+            state: Mutex::new(State {
+                waiting: tasks,
+                running: 0,
+            }),
+            changed: Condvar::new(),
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, State<T>> {
@@ -171,7 +190,10 @@ impl<T> Queue<T> {
             if state.running == 0 {
                 return None;
             }
-            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state = self
+                .changed
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
         }
     }
 }
@@ -232,8 +254,13 @@ mod tests {
     #[should_panic(expected = "a scoped thread panicked")]
     fn a_panic_reaches_the_asking_thread() {
         let mut report = |_: f32, _: &str| true;
-        let _ = Crew::new(3, 1, &mut report).run("panicking", WORTH_THREADS, vec![1, 2, 3], |task, _| {
-            assert_ne!(task, 2);
-        });
+        let _ = Crew::new(3, 1, &mut report).run(
+            "panicking",
+            WORTH_THREADS,
+            vec![1, 2, 3],
+            |task, _| {
+                assert_ne!(task, 2);
+            },
+        );
     }
 }

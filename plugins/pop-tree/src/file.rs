@@ -93,7 +93,10 @@ pub fn write(path: &Path, tree: &Tree, fingerprint: &[u8; 32]) -> Result<(), Fil
     written.map_err(|source| {
         // The first failure is the one to tell of; a part that cannot be removed does no harm.
         let _ = std::fs::remove_file(&part);
-        FileError::Io { path: path.to_owned(), source }
+        FileError::Io {
+            path: path.to_owned(),
+            source,
+        }
     })
 }
 
@@ -118,7 +121,10 @@ fn write_part(part: &Path, tree: &Tree, fingerprint: &[u8; 32]) -> io::Result<()
         hasher.update(bytes);
         file.write_all(bytes)
     };
-    let Grid { origin: [x, y, z], step } = tree.grid;
+    let Grid {
+        origin: [x, y, z],
+        step,
+    } = tree.grid;
     let mut header = Vec::with_capacity(HEADER_BYTES);
     header.extend(MAGIC);
     header.extend(VERSION.to_le_bytes());
@@ -127,10 +133,15 @@ fn write_part(part: &Path, tree: &Tree, fingerprint: &[u8; 32]) -> io::Result<()
     // Both are less than 2³⁰.
     header.extend((tree.level_starts.len() as u32).to_le_bytes());
     header.extend((tree.nodes.len() as u32).to_le_bytes());
-    header.extend(tree.level_starts.iter().flat_map(|start| start.to_le_bytes()));
+    header.extend(
+        tree.level_starts
+            .iter()
+            .flat_map(|start| start.to_le_bytes()),
+    );
     put(&header)?;
     let mut words = Vec::with_capacity(STRETCH / size_of::<u32>());
-    for stretch in bytemuck::cast_slice::<Node, u32>(&tree.nodes).chunks(STRETCH / size_of::<u32>()) {
+    for stretch in bytemuck::cast_slice::<Node, u32>(&tree.nodes).chunks(STRETCH / size_of::<u32>())
+    {
         words.clear();
         words.extend(stretch.iter().copied().map(u32::to_le));
         put(bytemuck::cast_slice(&words))?;
@@ -153,9 +164,19 @@ impl<'p> Reader<'p> {
     fn open(path: &'p Path) -> Result<Self, FileError> {
         let opened = File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
         match opened {
-            Ok((length, file)) => Ok(Self { path, file, length, hasher: blake3::Hasher::new() }),
-            Err(error) if error.kind() == ErrorKind::NotFound => Err(FileError::Missing { path: path.to_owned() }),
-            Err(source) => Err(FileError::Io { path: path.to_owned(), source }),
+            Ok((length, file)) => Ok(Self {
+                path,
+                file,
+                length,
+                hasher: blake3::Hasher::new(),
+            }),
+            Err(error) if error.kind() == ErrorKind::NotFound => Err(FileError::Missing {
+                path: path.to_owned(),
+            }),
+            Err(source) => Err(FileError::Io {
+                path: path.to_owned(),
+                source,
+            }),
         }
     }
 
@@ -165,7 +186,11 @@ impl<'p> Reader<'p> {
         let mut nodes: Vec<Node> = zeroed_vec(node_count);
         self.fill(bytemuck::cast_slice_mut::<Node, u32>(&mut nodes))?;
         self.checksum()?;
-        let tree = Tree { grid, nodes, level_starts };
+        let tree = Tree {
+            grid,
+            nodes,
+            level_starts,
+        };
         structure::check(&tree).map_err(|fault| {
             let offset = match fault.place {
                 Place::Grid => GRID_AT,
@@ -182,18 +207,30 @@ impl<'p> Reader<'p> {
         let mut header = [0_u8; HEADER_BYTES];
         let in_file = self.length.min(HEADER_BYTES as u64) as usize;
         self.bytes(&mut header[..in_file])?;
-        let word = |at: usize| -> u32 { bytemuck::pod_read_unaligned::<u32>(&header[at..at + 4]).to_le() };
+        let word =
+            |at: usize| -> u32 { bytemuck::pod_read_unaligned::<u32>(&header[at..at + 4]).to_le() };
         if header[..8] != MAGIC {
-            return Err(self.damaged("does not begin like a .pop file, with POPTREE".to_owned(), 0));
+            return Err(self.damaged(
+                "does not begin like a .pop file, with POPTREE".to_owned(),
+                0,
+            ));
         }
         if in_file >= 12 && word(8) != VERSION {
-            return Err(FileError::OtherVersion { path: self.path.to_owned(), found: word(8) });
+            return Err(FileError::OtherVersion {
+                path: self.path.to_owned(),
+                found: word(8),
+            });
         }
         if in_file < HEADER_BYTES {
-            return Err(self.damaged(format!("ends within the header of {HEADER_BYTES} bytes"), self.length));
+            return Err(self.damaged(
+                format!("ends within the header of {HEADER_BYTES} bytes"),
+                self.length,
+            ));
         }
         if header[12..GRID_AT] != *fingerprint {
-            return Err(FileError::Stale { path: self.path.to_owned() });
+            return Err(FileError::Stale {
+                path: self.path.to_owned(),
+            });
         }
         let [x, y, z, step] = [0, 4, 8, 12].map(|at| f32::from_bits(word(GRID_AT + at)));
         let (level_count, node_count) = (word(COUNTS_AT), word(COUNTS_AT + 4));
@@ -211,7 +248,14 @@ impl<'p> Reader<'p> {
             );
             return Err(self.damaged(what, self.length.min(expected)));
         }
-        Ok((Grid { origin: [x, y, z], step }, level_count as usize, node_count as usize))
+        Ok((
+            Grid {
+                origin: [x, y, z],
+                step,
+            },
+            level_count as usize,
+            node_count as usize,
+        ))
     }
 
     /// The hash at the end is that of all before.
@@ -244,12 +288,19 @@ impl<'p> Reader<'p> {
 
     fn bytes(&mut self, bytes: &mut [u8]) -> Result<(), FileError> {
         let read = self.file.read_exact(bytes);
-        read.map_err(|source| FileError::Io { path: self.path.to_owned(), source })?;
+        read.map_err(|source| FileError::Io {
+            path: self.path.to_owned(),
+            source,
+        })?;
         self.hasher.update(bytes);
         Ok(())
     }
 
     fn damaged(&self, what: String, offset: u64) -> FileError {
-        FileError::Damaged { path: self.path.to_owned(), what, offset }
+        FileError::Damaged {
+            path: self.path.to_owned(),
+            what,
+            offset,
+        }
     }
 }

@@ -27,23 +27,52 @@ enum Part<'a> {
 /// Columns are hashed in parts, and then the parts' hashes with the lengths. The same vertices in other blocks have another
 /// fingerprint.
 pub fn fingerprint(mesh: &Mesh<'_>, thread_count: usize) -> [u8; 32] {
-    let mut parts: Vec<Part<'_>> = mesh.triangles.chunks(STRETCH).map(Part::Triangles).collect();
-    let mut lengths = vec![mesh.triangles.len() as u64, u64::from(mesh.block_size), mesh.blocks.len() as u64];
+    let mut parts: Vec<Part<'_>> = mesh
+        .triangles
+        .chunks(STRETCH)
+        .map(Part::Triangles)
+        .collect();
+    let mut lengths = vec![
+        mesh.triangles.len() as u64,
+        u64::from(mesh.block_size),
+        mesh.blocks.len() as u64,
+    ];
     for block in mesh.blocks {
         parts.extend(block.position_radius.chunks(STRETCH).map(Part::Positions));
-        parts.extend(block.normals.unwrap_or_default().chunks(STRETCH).map(Part::Normals));
-        parts.extend(block.colours.unwrap_or_default().chunks(STRETCH).map(Part::Colours));
+        parts.extend(
+            block
+                .normals
+                .unwrap_or_default()
+                .chunks(STRETCH)
+                .map(Part::Normals),
+        );
+        parts.extend(
+            block
+                .colours
+                .unwrap_or_default()
+                .chunks(STRETCH)
+                .map(Part::Colours),
+        );
         // No column is not the same as one of no entries.
         let length = |column: Option<&[u32]>| column.map_or(u64::MAX, |column| column.len() as u64);
-        lengths.extend([block.position_radius.len() as u64, length(block.normals), length(block.colours)]);
+        lengths.extend([
+            block.position_radius.len() as u64,
+            length(block.normals),
+            length(block.colours),
+        ]);
     }
     let mut hashes = vec![[0_u8; 32]; parts.len()];
     let mut go_on = |_: f32, _: &str| true;
     let tasks = parts.iter().zip(&mut hashes).collect();
     let items = mesh.triangles.len() + mesh.vertex_count();
-    let ended = Crew::new(thread_count, 1, &mut go_on).run("", items, tasks, |(part, hash), _: &Hand<'_, _>| {
-        *hash = hash_of(*part);
-    });
+    let ended = Crew::new(thread_count, 1, &mut go_on).run(
+        "",
+        items,
+        tasks,
+        |(part, hash), _: &Hand<'_, _>| {
+            *hash = hash_of(*part);
+        },
+    );
     debug_assert!(ended.is_ok(), "nothing cancels");
     let mut hasher = blake3::Hasher::new_derive_key(DOMAIN);
     for length in lengths {
@@ -58,7 +87,10 @@ fn hash_of(part: Part<'_>) -> [u8; 32] {
     match part {
         Part::Triangles(triangles) => update(&mut hasher, triangles.as_flattened().iter().copied()),
         Part::Positions(positions) => {
-            let bits = positions.iter().flat_map(|&[x, y, z, _]| [x, y, z]).map(f32::to_bits);
+            let bits = positions
+                .iter()
+                .flat_map(|&[x, y, z, _]| [x, y, z])
+                .map(f32::to_bits);
             update(&mut hasher, bits);
         }
         Part::Normals(words) | Part::Colours(words) => update(&mut hasher, words.iter().copied()),
@@ -71,7 +103,11 @@ fn update(hasher: &mut blake3::Hasher, words: impl Iterator<Item = u32>) {
     let mut gathered = [0_u32; 3 * GATHERED];
     let mut words = words.map(u32::to_le).peekable();
     while words.peek().is_some() {
-        let count = gathered.iter_mut().zip(&mut words).map(|(place, word)| *place = word).count();
+        let count = gathered
+            .iter_mut()
+            .zip(&mut words)
+            .map(|(place, word)| *place = word)
+            .count();
         hasher.update(bytemuck::cast_slice(&gathered[..count]));
     }
 }
@@ -83,12 +119,25 @@ mod tests {
 
     #[test]
     fn every_column_counts_and_the_fourth_component_does_not() {
-        let positions: Vec<[f32; 4]> = (0..9000_u16).map(|x| [f32::from(x), 1.0, 2.0, 3.0]).collect();
+        let positions: Vec<[f32; 4]> = (0..9000_u16)
+            .map(|x| [f32::from(x), 1.0, 2.0, 3.0])
+            .collect();
         let words: Vec<u32> = (0..9000).collect();
         let triangles = vec![[1, 2, 3]; 100_000];
-        let of = |positions: &[[f32; 4]], normals: Option<&[u32]>, colours: Option<&[u32]>, triangles: &[[u32; 3]]| {
-            let block = VertexBlock { position_radius: positions, normals, colours };
-            let mesh = Mesh { block_size: 9000, blocks: &[block], triangles };
+        let of = |positions: &[[f32; 4]],
+                  normals: Option<&[u32]>,
+                  colours: Option<&[u32]>,
+                  triangles: &[[u32; 3]]| {
+            let block = VertexBlock {
+                position_radius: positions,
+                normals,
+                colours,
+            };
+            let mesh = Mesh {
+                block_size: 9000,
+                blocks: &[block],
+                triangles,
+            };
             let found = fingerprint(&mesh, 1);
             assert_eq!(found, fingerprint(&mesh, 3));
             found

@@ -10,10 +10,14 @@ use bytemuck::zeroed_vec;
 const STRETCH: usize = 1 << 13;
 
 /// Units of work of a node; see [`Crew::new`].
-pub(crate) const LAYOUT_UNITS: u64 = 6;
+pub(crate) const LAYOUT_UNITS: u64 = 20;
 
 /// Joins levels, from the leaves to the root, to a tree.
-pub(crate) fn lay_out(grid: Grid, mut levels: Vec<Level>, crew: &mut Crew<'_>) -> Result<Tree, Cancelled> {
+pub(crate) fn lay_out(
+    grid: Grid,
+    mut levels: Vec<Level>,
+    crew: &mut Crew<'_>,
+) -> Result<Tree, Cancelled> {
     let node_count = levels.iter().map(|level| level.nodes.len()).sum();
     let mut nodes: Vec<Node> = zeroed_vec(node_count);
     let mut level_starts = Vec::with_capacity(levels.len());
@@ -32,7 +36,11 @@ pub(crate) fn lay_out(grid: Grid, mut levels: Vec<Level>, crew: &mut Crew<'_>) -
             lay_out_leaves(&level, &order, final_nodes, crew)?;
         }
     }
-    Ok(Tree { grid, nodes, level_starts })
+    Ok(Tree {
+        grid,
+        nodes,
+        level_starts,
+    })
 }
 
 /// Lays out a level of inner nodes whose children begin at `first_child`; returns the order of the children.
@@ -49,26 +57,31 @@ fn lay_out_inner(
     let mut first = first_child;
     let mut tasks = Vec::with_capacity(order.len().div_ceil(STRETCH));
     for (order, final_nodes) in order.chunks(STRETCH).zip(final_nodes.chunks_mut(STRETCH)) {
-        let count = order.iter().map(|&number| level.nodes[number as usize].children().len()).sum();
+        let count = order
+            .iter()
+            .map(|&number| level.nodes[number as usize].children().len())
+            .sum();
         let (child_order, behind) = rest.split_at_mut(count);
         rest = behind;
         tasks.push((order, final_nodes, child_order, first));
         first += count as u32;
     }
-    let lay_out_stretch = |(order, final_nodes, child_order, first): (&[u32], &mut [Node], &mut [u32], u32),
-                           hand: &Hand<'_, _>| {
-        let mut laid_out = 0;
-        for (&number, final_node) in order.iter().zip(final_nodes) {
-            let node = level.nodes[number as usize];
-            let range = node.children();
-            *final_node = node.with_link(Node::link_to(first + laid_out as u32, range.len() as u32));
-            for record in &children.records[range.start as usize..range.end as usize] {
-                child_order[laid_out] = record.node;
-                laid_out += 1;
+    let lay_out_stretch =
+        |(order, final_nodes, child_order, first): (&[u32], &mut [Node], &mut [u32], u32),
+         hand: &Hand<'_, _>| {
+            let mut laid_out = 0;
+            for (&number, final_node) in order.iter().zip(final_nodes) {
+                let node = level.nodes[number as usize];
+                let range = node.children();
+                *final_node =
+                    node.with_link(Node::link_to(first + laid_out as u32, range.len() as u32));
+                for record in &children.records[range.start as usize..range.end as usize] {
+                    child_order[laid_out] = record.node;
+                    laid_out += 1;
+                }
             }
-        }
-        hand.advance(LAYOUT_UNITS * order.len() as u64);
-    };
+            hand.advance(LAYOUT_UNITS * order.len() as u64);
+        };
     crew.run("laying out", order.len(), tasks, lay_out_stretch)?;
     Ok(child_order)
 }
@@ -80,11 +93,19 @@ fn lay_out_leaves(
     final_nodes: &mut [Node],
     crew: &mut Crew<'_>,
 ) -> Result<(), Cancelled> {
-    let tasks = order.chunks(STRETCH).zip(final_nodes.chunks_mut(STRETCH)).collect();
-    crew.run("laying out", order.len(), tasks, |(order, final_nodes), hand: &Hand<'_, _>| {
-        for (&number, final_node) in order.iter().zip(final_nodes) {
-            *final_node = level.nodes[number as usize];
-        }
-        hand.advance(LAYOUT_UNITS * order.len() as u64);
-    })
+    let tasks = order
+        .chunks(STRETCH)
+        .zip(final_nodes.chunks_mut(STRETCH))
+        .collect();
+    crew.run(
+        "laying out",
+        order.len(),
+        tasks,
+        |(order, final_nodes), hand: &Hand<'_, _>| {
+            for (&number, final_node) in order.iter().zip(final_nodes) {
+                *final_node = level.nodes[number as usize];
+            }
+            hand.advance(LAYOUT_UNITS * order.len() as u64);
+        },
+    )
 }

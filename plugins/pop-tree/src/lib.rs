@@ -2,7 +2,7 @@
 //!
 //! 1. **build** ([`build()`]): leaves are a mesh's triangles, each in its least sphere; each level above groups up to four nodes
 //!    of the one below by median splits, until one is left.
-//! 2. **keep** ([`file`]): a tree is written to a `.pop` file and read again, so that the next start need not build it.
+//! 2. **keep** ([`mod@file`]): a tree is written to a `.pop` file and read again, so that the next start need not build it.
 //! 3. **cut** ([`cut`]): for a view, the nodes that are small enough to be splats and the triangles that are not.
 //!
 //! source  Chen, Nguyen, POP: A Hybrid Point and Polygon Rendering System for Large Data, IEEE Visualization 2001
@@ -23,6 +23,7 @@ mod node;
 mod sizes;
 mod split;
 mod structure;
+mod surface;
 mod tree;
 
 pub use build::{BuildError, build};
@@ -32,4 +33,5 @@ pub use node::{
     Grid, NO_CONE, Node, NodeParts, decode_half_angle, decode_normal20, decode_radius,
     encode_half_angle, encode_normal20, encode_radius,
 };
+pub use surface::Surface;
 pub use tree::Tree;

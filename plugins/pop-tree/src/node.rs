@@ -8,10 +8,11 @@
 //! | 3 | octahedral normal, 10 and 10; red, 6; blue, 6 |
 //! | 4 | link |
 //!
-//! Errors of this form: the centre lies within half a step of [`Grid`] in each axis (extent / 2²¹, 0.5 px where the whole
-//! object is a million pixels wide); the radius is rounded up, by at most 1 / 256; the normal is off by at most 0.25 degrees, which the
-//! cone includes; the half-angle is rounded up, by at most 0.36 degrees; colours are off by at most 1 / 126 in red and blue and 1 / 254
-//! in green, in sRGB. The twin in WGSL is `shaders/pop/node.wesl`.
+//! Errors of this form: the centre lies within 0.64 steps of [`Grid`] in each axis, beside the rounding of floats of its
+//! size (a step is extent / 2²¹, 0.5 px where the whole object is a million pixels wide); the radius, which is taken from
+//! the centre as stored, is rounded up, by at most 1 / 256; the normal is off by at most 0.24 degrees, which the cone includes;
+//! the half-angle is rounded up, by at most 0.36 degrees; colours are off by at most 1 / 126 in red and blue and 1 / 254 in
+//! green, in sRGB. `tests/codes.rs` measures all of them. The twin in WGSL is `shaders/pop/node.wesl`.
 
 use bytemuck::{Pod, Zeroable};
 use pointstage_plugin_api::glam::{UVec3, Vec2, Vec3};
@@ -20,7 +21,7 @@ const AXIS_BITS: u32 = 21;
 const AXIS_MAX: u32 = (1 << AXIS_BITS) - 1;
 /// A float's bits that a radius leaves out, below: 8 of its mantissa stay.
 const RADIUS_SHIFT: u32 = 15;
-const NORMAL_MAX: f32 = 511.0;
+pub(crate) const NORMAL_MAX: f32 = 511.0;
 /// Codes of half-angles: 0 to 254 are 0 to 90 degrees in even steps.
 const ANGLE_STEPS: f32 = 254.0;
 
@@ -51,7 +52,8 @@ impl Grid {
     /// The nearest point of the grid.
     pub fn quantise(&self, position: Vec3) -> UVec3 {
         let place = (position - Vec3::from_array(self.origin)) / self.step;
-        place.round().clamp(Vec3::ZERO, Vec3::splat(AXIS_MAX as f32)).as_uvec3()
+        // Rounds as `round` does, which is a call on processors that have no instruction for it.
+        (place.clamp(Vec3::ZERO, Vec3::splat(AXIS_MAX as f32)) + 0.5).as_uvec3()
     }
 
     /// Object space from the grid.
@@ -76,7 +78,11 @@ pub fn decode_radius(code: u16) -> f32 {
 /// The code of a half-angle, rounded up; radians.
 pub fn encode_half_angle(half_angle: f32) -> u8 {
     let steps = (half_angle.max(0.0) * (ANGLE_STEPS / core::f32::consts::FRAC_PI_2)).ceil();
-    if steps <= ANGLE_STEPS { steps as u8 } else { NO_CONE }
+    if steps <= ANGLE_STEPS {
+        steps as u8
+    } else {
+        NO_CONE
+    }
 }
 
 /// The half-angle that a code other than [`NO_CONE`] stands for; radians.
@@ -91,7 +97,7 @@ pub fn encode_normal20(direction: Vec3) -> u32 {
     let square = Vec2::new(direction.x, direction.y) / sum;
     let folded = (Vec2::ONE - Vec2::new(square.y, square.x).abs()) * sign_not_zero(square);
     let square = if direction.z >= 0.0 { square } else { folded };
-    let code = |value: f32| ((value.clamp(-1.0, 1.0) * NORMAL_MAX).round() + NORMAL_MAX) as u32;
+    let code = |value: f32| (value.clamp(-1.0, 1.0) * NORMAL_MAX + (NORMAL_MAX + 0.5)) as u32;
     code(square.x) | code(square.y) << 10
 }
 
@@ -137,12 +143,14 @@ impl Node {
     /// Packs the parts.
     pub fn new(parts: &NodeParts) -> Self {
         let UVec3 { x, y, z } = parts.place;
-        let level = |value: f32, max: f32| (value.clamp(0.0, 1.0) * max).round() as u32;
+        let level = |value: f32, max: f32| (value.clamp(0.0, 1.0) * max + 0.5) as u32;
         let [red, green, blue] = parts.colour;
         Self([
             x | y << 21,
             y >> 11 | z << 10,
-            u32::from(parts.radius_code) | u32::from(parts.cone_code) << 16 | level(green, 127.0) << 24,
+            u32::from(parts.radius_code)
+                | u32::from(parts.cone_code) << 16
+                | level(green, 127.0) << 24,
             parts.normal_code | level(red, 63.0) << 20 | level(blue, 63.0) << 26,
             parts.link,
         ])
@@ -163,7 +171,11 @@ impl Node {
     #[inline]
     pub fn place(self) -> UVec3 {
         let [low, high, ..] = self.0;
-        UVec3::new(low & AXIS_MAX, low >> 21 | (high & 1023) << 11, high >> 10 & AXIS_MAX)
+        UVec3::new(
+            low & AXIS_MAX,
+            low >> 21 | (high & 1023) << 11,
+            high >> 10 & AXIS_MAX,
+        )
     }
 
     /// Code of the radius.
@@ -193,7 +205,11 @@ impl Node {
     /// Mean colour; sRGB, 0 to 1.
     pub fn colour(self) -> [f32; 3] {
         let level = |word: u32, shift: u32, max: u32| (word >> shift & max) as f32 / max as f32;
-        [level(self.0[3], 20, 63), level(self.0[2], 24, 127), level(self.0[3], 26, 63)]
+        [
+            level(self.0[3], 20, 63),
+            level(self.0[2], 24, 127),
+            level(self.0[3], 26, 63),
+        ]
     }
 
     /// The link, whichever it is.

@@ -8,14 +8,24 @@ pub(crate) const GROUP: usize = 4;
 /// After d halvings there are 2ᵈ parts of f = ⌊count / 2ᵈ⌋ or f + 1 nodes, count mod 2ᵈ of the latter. At the first d with
 /// f ≤ 4 only parts of 5 are too large, and those become two groups each.
 pub(crate) fn group_count(count: usize) -> usize {
-    let halvings = (0..usize::BITS).find(|halvings| count >> halvings <= GROUP).unwrap_or(0);
+    let halvings = (0..usize::BITS)
+        .find(|halvings| count >> halvings <= GROUP)
+        .unwrap_or(0);
     let parts = 1 << halvings;
-    if count >> halvings == GROUP { parts + count % parts } else { parts }
+    if count >> halvings == GROUP {
+        parts + count % parts
+    } else {
+        parts
+    }
 }
 
 /// Times that the largest part of `count` nodes is halved, about.
 pub(crate) fn halvings(count: usize) -> u64 {
-    u64::from((count.max(1) - 1).checked_ilog2().map_or(0, |log| (log + 1).saturating_sub(2)))
+    u64::from(
+        (count.max(1) - 1)
+            .checked_ilog2()
+            .map_or(0, |log| (log + 1).saturating_sub(2)),
+    )
 }
 
 /// Nodes of each level, from the leaves' level to the root's; none for no leaves.
@@ -37,7 +47,11 @@ mod tests {
     use super::{GROUP, group_count, halvings, level_sizes};
 
     fn counted(count: usize) -> usize {
-        if count <= GROUP { 1 } else { counted(count / 2) + counted(count - count / 2) }
+        if count <= GROUP {
+            1
+        } else {
+            counted(count / 2) + counted(count - count / 2)
+        }
     }
 
     #[test]
@@ -49,9 +63,18 @@ mod tests {
 
     #[test]
     fn nodes_are_those_of_the_thesis_table_5_6() {
-        let table = [(96_966, 140_657), (871_414, 1_220_939), (1_000_000, 1_349_525), (4_000_000, 5_398_101)];
+        let table = [
+            (96_966, 140_657),
+            (871_414, 1_220_939),
+            (1_000_000, 1_349_525),
+            (4_000_000, 5_398_101),
+        ];
         for (triangles, nodes) in table {
-            assert_eq!(level_sizes(triangles).iter().sum::<usize>(), nodes, "{triangles}");
+            assert_eq!(
+                level_sizes(triangles).iter().sum::<usize>(),
+                nodes,
+                "{triangles}"
+            );
         }
     }
 
@@ -64,6 +87,9 @@ mod tests {
 
     #[test]
     fn halvings_end_at_groups() {
-        assert_eq!([1, 4, 5, 8, 9, 1_000_000].map(halvings), [0, 0, 1, 1, 2, 18]);
+        assert_eq!(
+            [1, 4, 5, 8, 9, 1_000_000].map(halvings),
+            [0, 0, 1, 1, 2, 18]
+        );
     }
 }

@@ -24,7 +24,10 @@ pub(crate) struct Record {
 
 impl Record {
     pub(crate) fn new(place: UVec3, node: u32) -> Self {
-        Self { place: place.as_vec3().to_array(), node }
+        Self {
+            place: place.as_vec3().to_array(),
+            node,
+        }
     }
 
     /// Orders by the coordinate, then by number: no two are alike, so the halves do not depend on how they are found.
@@ -54,7 +57,10 @@ fn longest_axis(records: &[Record], cancelled: &dyn Fn() -> bool) -> usize {
         if cancelled() {
             break;
         }
-        for &Record { place: [x, y, z], .. } in stretch {
+        for &Record {
+            place: [x, y, z], ..
+        } in stretch
+        {
             let place = Vec4::new(x, y, z, 0.0);
             least = least.min(place);
             greatest = greatest.max(place);
@@ -71,7 +77,11 @@ fn longest_axis(records: &[Record], cancelled: &dyn Fn() -> bool) -> usize {
 }
 
 /// Moves the `middle` records of least keys to the front.
-fn select<const AXIS: usize>(mut records: &mut [Record], mut middle: usize, cancelled: &dyn Fn() -> bool) {
+fn select<const AXIS: usize>(
+    mut records: &mut [Record],
+    mut middle: usize,
+    cancelled: &dyn Fn() -> bool,
+) {
     while records.len() > LARGE {
         let pivot = sampled_key::<AXIS>(records, middle);
         let Some(below) = partition::<AXIS>(records, pivot, cancelled) else {
@@ -95,13 +105,18 @@ fn select<const AXIS: usize>(mut records: &mut [Record], mut middle: usize, canc
 /// The key of one of the records, about as many below it as `middle`.
 fn sampled_key<const AXIS: usize>(records: &[Record], middle: usize) -> u64 {
     let stride = records.len() / SAMPLE;
-    let mut sample: [u64; SAMPLE] = core::array::from_fn(|place| records[place * stride].key::<AXIS>());
+    let mut sample: [u64; SAMPLE] =
+        core::array::from_fn(|place| records[place * stride].key::<AXIS>());
     let place = (middle * SAMPLE / records.len()).min(SAMPLE - 1);
     *sample.select_nth_unstable(place).1
 }
 
 /// Moves the records with keys below the pivot to the front and counts them; none once cancelled.
-fn partition<const AXIS: usize>(records: &mut [Record], pivot: u64, cancelled: &dyn Fn() -> bool) -> Option<usize> {
+fn partition<const AXIS: usize>(
+    records: &mut [Record],
+    pivot: u64,
+    cancelled: &dyn Fn() -> bool,
+) -> Option<usize> {
     let mut below = 0;
     for start in (0..records.len()).step_by(STRETCH) {
         if cancelled() {
@@ -122,7 +137,9 @@ mod tests {
     use pointstage_plugin_api::glam::UVec3;
 
     fn scattered(count: u32, sides: UVec3) -> Vec<Record> {
-        let spread = |node: u32, factor: u32, side: u32| node.wrapping_mul(factor).rotate_left(7) % side.max(1);
+        let spread = |node: u32, factor: u32, side: u32| {
+            node.wrapping_mul(factor).rotate_left(7) % side.max(1)
+        };
         (0..count)
             .map(|node| {
                 let place = UVec3::new(
@@ -162,7 +179,9 @@ mod tests {
             let mut records = scattered(count, sides);
             let middle = halve(&mut records, &|| false);
             let (lower, upper) = records.split_at(middle);
-            assert!(lower.iter().map(Record::key::<0>).max() < upper.iter().map(Record::key::<0>).min());
+            assert!(
+                lower.iter().map(Record::key::<0>).max() < upper.iter().map(Record::key::<0>).min()
+            );
         }
     }
 

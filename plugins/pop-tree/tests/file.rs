@@ -41,9 +41,17 @@ fn a_larger_file_is_replaced_and_no_part_is_left() {
         write(&path, tree, &FINGERPRINT).expect("a folder to write to");
         assert!(read(&path, &FINGERPRINT).expect("the file just written") == *tree);
     }
-    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 1);
+    assert_eq!(
+        std::fs::read_dir(folder.path())
+            .expect("the folder")
+            .count(),
+        1
+    );
     let bytes = std::fs::metadata(&path).expect("the file").len() as usize;
-    assert_eq!(bytes, 68 + 4 * large.level_starts.len() + 20 * large.nodes.len() + 32);
+    assert_eq!(
+        bytes,
+        68 + 4 * large.level_starts.len() + 20 * large.nodes.len() + 32
+    );
 }
 
 #[test]
@@ -58,7 +66,10 @@ fn every_truncation_is_noticed() {
         );
     }
     std::fs::write(&path, [bytes.as_slice(), &[0]].concat()).expect("a folder to write to");
-    assert!(matches!(read(&path, &FINGERPRINT), Err(FileError::Damaged { .. })));
+    assert!(matches!(
+        read(&path, &FINGERPRINT),
+        Err(FileError::Damaged { .. })
+    ));
 }
 
 #[test]
@@ -79,7 +90,10 @@ fn every_changed_byte_is_noticed() {
         }
     }
     std::fs::write(&path, &bytes).expect("a folder to write to");
-    assert_eq!(read(&path, &FINGERPRINT).expect("the file as written"), tree);
+    assert_eq!(
+        read(&path, &FINGERPRINT).expect("the file as written"),
+        tree
+    );
 }
 
 /// Someone may compute the checksum anew: what a traversal relies on is checked all the same.
@@ -96,11 +110,15 @@ fn made_up_files_with_a_right_checksum_are_noticed() {
         read(&path, &FINGERPRINT)
     };
     let leaf = nodes_at + 20 * tree.first_leaf() as usize;
+    let [.., above_leaves, _] = tree.level_starts.as_slice() else {
+        panic!("few levels")
+    };
+    let parent = nodes_at + 20 * *above_leaves as usize;
     for (at, word, offset) in [
         (nodes_at + 16, 0, nodes_at),
         (nodes_at + 16, u32::MAX, nodes_at),
         (leaf + 16, 18, leaf),
-        (leaf + 8, 0xffff, nodes_at + 20),
+        (leaf + 8, 0xffff, parent),
         (68, 1, 68),
         (72, u32::MAX, 72),
         (56, 0, 44),
@@ -108,7 +126,9 @@ fn made_up_files_with_a_right_checksum_are_noticed() {
         (60, u32::MAX, 60),
     ] {
         let error = with_word(at, word).expect_err("a made-up file");
-        let FileError::Damaged { offset: found, .. } = &error else { panic!("{error}") };
+        let FileError::Damaged { offset: found, .. } = &error else {
+            panic!("{error}")
+        };
         assert_eq!(*found, offset as u64, "{error}");
     }
 }
@@ -118,26 +138,39 @@ fn errors_name_the_file_and_what_to_do() {
     let (folder, path, tree, bytes) = small_file();
     let message = |bytes: &[u8], fingerprint: &[u8; 32]| {
         std::fs::write(&path, bytes).expect("a folder to write to");
-        read(&path, fingerprint).expect_err("an unsound file").to_string()
+        read(&path, fingerprint)
+            .expect_err("an unsound file")
+            .to_string()
     };
     let name = path.display().to_string();
     assert_eq!(
         message(&bytes, &[1; 32]),
-        format!("{name}: this is the tree of another mesh, or the mesh has changed; build the tree again")
+        format!(
+            "{name}: this is the tree of another mesh, or the mesh has changed; build the tree again"
+        )
     );
     let mut newer = bytes.clone();
     newer[8] = 2;
     assert_eq!(
         message(&newer, &FINGERPRINT),
-        format!("{name}: version 2 of .pop files, but this Pointstage reads version 1; build the tree again")
+        format!(
+            "{name}: version 2 of .pop files, but this Pointstage reads version 1; build the tree again"
+        )
     );
     assert_eq!(
         message(&bytes[..66], &FINGERPRINT),
-        format!("{name}, byte 66: ends within the header of 68 bytes; delete the file and build the tree again")
+        format!(
+            "{name}, byte 66: ends within the header of 68 bytes; delete the file and build the tree again"
+        )
     );
     let none = folder.path().join("none.pop");
     assert!(matches!(read(&none, &FINGERPRINT), Err(FileError::Missing { path }) if path == none));
-    assert!(matches!(read(folder.path(), &FINGERPRINT), Err(FileError::Io { .. } | FileError::Damaged { .. })));
+    assert!(matches!(
+        read(folder.path(), &FINGERPRINT),
+        Err(FileError::Io { .. } | FileError::Damaged { .. })
+    ));
     let nowhere = folder.path().join("nowhere/tree.pop");
-    assert!(matches!(write(&nowhere, &tree, &FINGERPRINT), Err(FileError::Io { path, .. }) if path == nowhere));
+    assert!(
+        matches!(write(&nowhere, &tree, &FINGERPRINT), Err(FileError::Io { path, .. }) if path == nowhere)
+    );
 }

@@ -4,7 +4,7 @@ use crate::passes::Passes;
 use pointstage_plugin_api::abi::{self, BufferUsage, Handle};
 use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer};
 use pointstage_plugin_api::{Column, Error, Object, Result, columns};
-use pointstage_pop_tree::{Mesh, Tree, VertexBlock};
+use pointstage_pop_tree::{Mesh, Surface, Tree, VertexBlock};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -20,6 +20,7 @@ pub(crate) struct Origin {
 pub(crate) struct Part {
     pub(crate) origin: Origin,
     pub(crate) tree: Arc<Tree>,
+    pub(crate) surface: Surface,
     pub(crate) triangle_count: u32,
     pub(crate) vertex_count: u32,
     /// How long the tree took; zero if it was read from a file.
@@ -66,7 +67,7 @@ impl Part {
     ///
     /// # Errors
     /// If the device refuses a resource, or the mesh does not fit.
-    pub(crate) fn new(passes: &Passes, object: &Object<'_>, tree: Arc<Tree>, build_time: Duration) -> Result<Self> {
+    pub(crate) fn new(passes: &Passes, object: &Object<'_>, tree: Arc<Tree>, surface: Surface, build_time: Duration) -> Result<Self> {
         let gpu = &passes.gpu;
         let name = object.name();
         let mut blocks = object.blocks();
@@ -119,6 +120,7 @@ impl Part {
             triangle_count: object.triangles().map_or(0, <[_]>::len) as u32,
             vertex_count: block.surfel_count(),
             tree,
+            surface,
             build_time,
             _nodes: nodes,
             group,

@@ -19,6 +19,16 @@ const COMPUTE: Module<'static> = Module::new(
     "pop::primitives_compute",
     include_str!("../../../shaders/pop/primitives_compute.wesl"),
 );
+const JUDGE: Module<'static> =
+    Module::new("pop::judge", include_str!("../../../shaders/pop/judge.wesl"));
+const SELECT_LEVEL: Module<'static> = Module::new(
+    "pop::select_level",
+    include_str!("../../../shaders/pop/select_level.wesl"),
+);
+const SELECT_DRAWS: Module<'static> = Module::new(
+    "pop::select_draws",
+    include_str!("../../../shaders/pop/select_draws.wesl"),
+);
 const RASTER: Module<'static> = Module::new(
     "pop::primitives_pass",
     include_str!("../../../shaders/pop/primitives_pass.wesl"),
@@ -78,6 +88,13 @@ pub(crate) struct Passes {
     /// Group 3 of shading, by [`Source`].
     pub(crate) visible_layout: BindGroupLayout,
     pub(crate) textures_layout: BindGroupLayout,
+    /// Group 2 of the selection: a tree's uniform alone.
+    pub(crate) uniform_layout: BindGroupLayout,
+    /// Group 3 of the selection: view, counts, queue, list, level.
+    pub(crate) select_layout: BindGroupLayout,
+    /// Group 0 of the selection's end: list, arguments.
+    pub(crate) draws_layout: BindGroupLayout,
+    select: Cache<(), [ComputePipeline; 2]>,
     compute: Cache<(Kind, bool, Kernel), Kernels>,
     raster: Cache<(Kind, bool), RenderPipeline>,
     shading: Cache<(Source, TargetSet, Vec<&'static str>), RenderPipeline>,
@@ -128,7 +145,20 @@ impl Passes {
                 "visible primitives",
                 &[(0, fragment, Binding::TextureUint), (1, fragment, Binding::TextureDepth)],
             )?,
+            uniform_layout: layout("tree", &[(0, compute, Binding::UniformDynamic)])?,
+            select_layout: layout(
+                "selection",
+                &[
+                    (0, compute, Binding::Uniform),
+                    (1, compute, Binding::Storage),
+                    (2, compute, Binding::Storage),
+                    (3, compute, Binding::Storage),
+                    (4, compute, Binding::UniformDynamic),
+                ],
+            )?,
+            draws_layout: layout("draws", &[(0, compute, read), (1, compute, Binding::Storage)])?,
             gpu: gpu.clone(),
+            select: Cache::default(),
             compute: Cache::default(),
             raster: Cache::default(),
             shading: Cache::default(),
@@ -171,6 +201,32 @@ impl Passes {
                 each: pipeline("primitives_compute")?,
                 large: large.transpose()?,
             })
+        })
+    }
+
+    /// The kernels of the selection: of a level, and of the arguments of the draws.
+    pub(crate) fn select(&self) -> Result<[ComputePipeline; 2]> {
+        cached(&self.select, (), || {
+            let size = self.group_size();
+            let link = |(module, wide)| link_select(module, wide).map_err(Error::failed);
+            let level = self.gpu.shader("selection", &link((SELECT_LEVEL, size == WIDE_GROUP))?)?;
+            let draws = self.gpu.shader("draws of the selection", &link((SELECT_DRAWS, false))?)?;
+            let pipeline = |shader: &Shader, entry_point, layouts: &[_], constants: &[_]| {
+                self.gpu.compute_pipeline(&ComputePipelineOptions {
+                    label: entry_point,
+                    layouts,
+                    immediate_size: 0,
+                    shader,
+                    entry_point,
+                    constants,
+                })
+            };
+            let layouts = [&self.frame_layout, &self.tree_layout, &self.uniform_layout, &self.select_layout];
+            let constants = [("GROUP_SIZE", f64::from(size))];
+            Ok([
+                pipeline(&level, "select_level", &layouts, &[])?,
+                pipeline(&draws, "select_draws", &[&self.draws_layout], &constants)?,
+            ])
         })
     }
 
@@ -238,6 +294,19 @@ pub(crate) fn link_compute(kind: Kind, is_disk: bool, kernel: Kernel, is_wide: b
     });
     features.extend(is_wide.then_some("wide"));
     link(COMPUTE, &MODULES, &features)
+}
+
+/// The selection's WGSL.
+fn link_select(module: Module<'static>, is_wide: bool) -> Result<String, WgslError> {
+    let [tree, ..] = MODULES;
+    let wide: &[&str] = if is_wide { &["wide"] } else { &[] };
+    link(module, &[tree, JUDGE], wide)
+}
+
+/// All WGSL of the selection, for tests.
+#[cfg(test)]
+pub(crate) fn linked_selection() -> Result<[String; 3], WgslError> {
+    Ok([link_select(SELECT_LEVEL, false)?, link_select(SELECT_LEVEL, true)?, link_select(SELECT_DRAWS, false)?])
 }
 
 /// The visibility pass's WGSL.

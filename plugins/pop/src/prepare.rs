@@ -6,7 +6,7 @@ use crate::passes::Passes;
 use crate::tree_cache;
 use pointstage_plugin_api::prelude::*;
 use pointstage_plugin_api::{ChangeKind, Object};
-use pointstage_pop_tree::{BuildError, Mesh, Tree, build};
+use pointstage_pop_tree::{BuildError, Mesh, Surface, Tree, build};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -34,7 +34,7 @@ pub(crate) fn prepare(
         let same = previous.and_then(|pop| pop.parts.iter().find(|part| part.origin == origin));
         let part = match same {
             Some(part) if !is_new_device => Arc::clone(part),
-            Some(part) => Arc::new(Part::new(&passes, &object, Arc::clone(&part.tree), part.build_time)?),
+            Some(part) => Arc::new(Part::new(&passes, &object, Arc::clone(&part.tree), part.surface, part.build_time)?),
             None => match new_part(host, &passes, &object, keeps_files, progress)? {
                 Some(part) => Arc::new(part),
                 None => continue,
@@ -64,7 +64,8 @@ fn new_part(
     } else {
         make()?
     };
-    Part::new(passes, object, Arc::new(tree), start.elapsed()).map(Some)
+    let build_time = start.elapsed();
+    Part::new(passes, object, Arc::new(tree), Surface::of(&mesh), build_time).map(Some)
 }
 
 /// A new tree.

@@ -9,12 +9,19 @@ use pointstage_plugin_api::gpu::{
 };
 use pointstage_visibility::{PixelRectangle, TargetSet, Targets};
 
+/// How many primitives there are.
+#[derive(Clone, Copy)]
+pub(crate) enum Count<'a> {
+    Known(u32),
+    /// Arguments of the dispatch and of the draw, at these places; bytes.
+    OnDevice { arguments: &'a Buffer, dispatch: u64, draw: u64 },
+}
+
 /// Primitives of one kind, of one tree.
 #[derive(Clone, Copy)]
 pub(crate) struct Draw<'a> {
     pub(crate) kind: Kind,
-    /// How many.
-    pub(crate) count: u32,
+    pub(crate) count: Count<'a>,
     /// Which uniform of group 2.
     pub(crate) uniform: u32,
     /// Of the object's draw, for group 0.
@@ -69,7 +76,10 @@ pub(crate) fn record_kernels(
     let mut pass = recorder.compute_pass(label(draw.kind));
     pass.set_pipeline(&kernels.each);
     bind(&mut pass);
-    pass.dispatch_linear(draw.count, group_size);
+    match draw.count {
+        Count::Known(count) => pass.dispatch_linear(count, group_size),
+        Count::OnDevice { arguments, dispatch, .. } => pass.dispatch_indirect(arguments, dispatch),
+    }
     drop(pass);
     let Some(large) = &kernels.large else { return };
     // A buffer cannot be written and give a dispatch its arguments at once.
@@ -91,7 +101,10 @@ pub(crate) fn record_raster(pass: &mut RenderPass<'_>, frame: GroupRef, draw: &D
     let vertices = if draw.kind.is_triangles() { 3 } else { 6 };
     pass.set_pipeline(pipeline);
     bind!(pass, frame, draw);
-    pass.draw(0..draw.count.saturating_mul(vertices), 0..1);
+    match draw.count {
+        Count::Known(count) => pass.draw(0..count.saturating_mul(vertices), 0..1),
+        Count::OnDevice { arguments, draw, .. } => pass.draw_indirect(arguments, draw),
+    }
 }
 
 /// Shading: each tree lights its own pixels, with the first of its draws' uniforms.

@@ -14,6 +14,28 @@ pub(crate) enum Method {
     Pop,
 }
 
+/// Whether parts that are turned away are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Culling {
+    /// Where no back can be seen.
+    Auto,
+    /// Always.
+    On,
+    /// Never.
+    Off,
+}
+
+/// Where the tree is walked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Walk {
+    /// By the kind of device.
+    Auto,
+    /// On the CPU.
+    Cpu,
+    /// On the device.
+    Device,
+}
+
 /// How the user wants a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wanted {
@@ -23,8 +45,9 @@ pub(crate) struct Wanted {
     pub(crate) is_disk: bool,
     pub(crate) is_gouraud: bool,
     pub(crate) has_pop_colours: bool,
-    pub(crate) cull_backs: bool,
+    pub(crate) culling: Culling,
     pub(crate) is_coherent: bool,
+    pub(crate) walk: Walk,
     pub(crate) path: Path,
 }
 
@@ -43,8 +66,17 @@ pub(crate) fn wanted_of(settings: Settings<'_>) -> Result<Wanted> {
         is_disk: settings.choice("splat")? == "disk",
         is_gouraud: settings.choice("shading")? == "gouraud",
         has_pop_colours: settings.bool("pop_colours")?,
-        cull_backs: settings.bool("cull_backs")?,
+        culling: match settings.choice("cull_backs")? {
+            "on" => Culling::On,
+            "off" => Culling::Off,
+            _ => Culling::Auto,
+        },
         is_coherent: settings.bool("coherence")?,
+        walk: match settings.choice("selection")? {
+            "cpu" => Walk::Cpu,
+            "gpu" => Walk::Device,
+            _ => Walk::Auto,
+        },
         path: Path::from_id(settings.choice("path")?),
     })
 }

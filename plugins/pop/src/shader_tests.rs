@@ -3,7 +3,7 @@
 #[path = "../../visibility/src/shader_checks.rs"]
 mod shader_checks;
 
-use crate::passes::{Kernel, Kind, link_compute, link_raster, link_shading};
+use crate::passes::{Kernel, Kind, link_compute, link_raster, link_shading, linked_selection};
 use crate::uniforms::TreeUniform;
 use core::mem::offset_of;
 use pointstage_visibility::{Source, TargetSet};
@@ -11,7 +11,13 @@ use shader_checks::{assert_manifest, assert_variants, validated};
 
 const KINDS: [Kind; 4] = [Kind::Splats, Kind::Triangles, Kind::AllTriangles, Kind::Points];
 const KERNELS: [Kernel; 3] = [Kernel::Whole, Kernel::NearestDepth, Kernel::GreatestPrimitive];
-const LOOKS: [&[&str]; 4] = [&[], &["gouraud"], &["pop_colours"], &["gouraud", "pop_colours"]];
+const LOOKS: [&[&str]; 5] = [
+    &["nodes", "triangles"],
+    &["triangles", "gouraud"],
+    &["nodes", "pop_colours"],
+    &["nodes", "triangles", "gouraud", "pop_colours"],
+    &["points", "pop_colours"],
+];
 
 #[test]
 fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
@@ -41,6 +47,13 @@ fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
         }
     }
     assert_variants(variants, "pop_tree_TreeUniform", &fields, size_of::<TreeUniform>() as u64);
+}
+
+#[test]
+fn the_selection_validates() {
+    for wgsl in linked_selection().unwrap() {
+        validated("selection", &wgsl);
+    }
 }
 
 #[test]

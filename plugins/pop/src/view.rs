@@ -1,18 +1,19 @@
 //! One viewport: the last cut, lists, buffers of the picture's size; and the frame.
 
 use crate::Pop;
+use crate::device_cut::{DeviceCut, LIST_HEAD};
 use crate::part::Part;
 use crate::passes::{Kind, Passes, UNIFORM_BYTES};
-use crate::record::{Draw, Pixels, record_kernels, record_raster, record_shading};
-use crate::settings::{Method, Wanted, wanted_of};
+use crate::record::{Count, Draw, Pixels, record_kernels, record_raster, record_shading};
+use crate::settings::{Culling, Method, Walk, Wanted, wanted_of};
 use crate::uniforms::{STRIDE, TreeUniform};
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
-use pointstage_plugin_api::glam::Mat4;
+use pointstage_plugin_api::glam::{Mat4, Vec3};
 use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, ColourAttachment, DepthAttachment, Recorder, Texture, TextureOptions,
+    AsHandle as _, BindGroup, Buffer, ColourAttachment, DepthAttachment, GroupRef, Recorder, Texture, TextureOptions,
 };
-use pointstage_plugin_api::{Error, Frame, FrameUniform, Host, Outcome, Result, statistics};
-use pointstage_pop_tree::cut::{CoherentCut, Cut, Projection, View as CutView, full};
+use pointstage_plugin_api::{DrawFlags, Error, Frame, FrameUniform, Host, Outcome, Result, statistics};
+use pointstage_pop_tree::cut::{CoherentCut, Cut, Projection, Root, View as CutView, full};
 use pointstage_visibility::{DrawList, Path, PixelRectangle, Source, Targets};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -21,8 +22,6 @@ use std::time::{Duration, Instant};
 const LARGE_COUNT: u64 = 65_535;
 /// Bytes of a pixel of the compute path: primitive and depth.
 const PIXEL_BYTES: u64 = 8;
-/// Words before a list's entries: how many splats, how many triangles.
-const LIST_HEAD: u32 = 2;
 
 /// The renderer in one viewport.
 pub struct PopView {
@@ -41,12 +40,16 @@ struct PartCut {
     coherent: CoherentCut,
     cut: Cut,
     list: Option<List>,
+    device: Option<DeviceCut>,
+    /// The view and what the root leaves open, if the device makes this frame's cut.
+    on_device: Option<(CutView, u32)>,
 }
 
 /// The list on the device.
 struct List {
     bytes: u64,
-    buffer: Buffer,
+    /// None if it is the device's own.
+    buffer: Option<Buffer>,
     uniforms: Handle,
     group: BindGroup,
 }
@@ -73,7 +76,8 @@ enum Visible {
 /// What is drawn of a part.
 struct Planned {
     kind: Kind,
-    count: u32,
+    /// How many; none if the device counts them.
+    count: Option<u32>,
     /// Which part, and which draw of the frame.
     part: usize,
     draw_offset: u32,
@@ -150,11 +154,12 @@ impl PopView {
             base = u32::try_from(next).map_err(|_| {
                 Error::failed("the meshes have more nodes, triangles and vertices than 32 bits count: hide some of them")
             })?;
+            let two_sided = draw.flags().contains(DrawFlags::TWO_SIDED);
             let projection = projection_of(frame.uniform(), &draw.uniform().view_from_object, wanted);
-            let view = CutView::new(&projection, &part.tree.grid);
+            let view = culling_view(&projection, part, wanted.culling, two_sided);
             uniform.stretch = view.stretch();
-            let mut add = |kind, count: u32, uniform| {
-                if count > 0 {
+            let mut add = |kind, count: Option<u32>, uniform| {
+                if count != Some(0) {
                     let draw_offset = draw.uniform_offset();
                     planned.push(Planned { kind, count, part: number, draw_offset, pixels });
                     uniforms.push(uniform);
@@ -163,25 +168,29 @@ impl PopView {
             match wanted.method {
                 Method::Classic => {
                     took.triangles += u64::from(part.triangle_count);
-                    add(Kind::AllTriangles, part.triangle_count, uniform);
+                    add(Kind::AllTriangles, Some(part.triangle_count), uniform);
                 }
                 Method::Points => {
                     took.splats += u64::from(part.vertex_count);
-                    add(Kind::Points, part.vertex_count, uniform);
+                    add(Kind::Points, Some(part.vertex_count), uniform);
                 }
                 Method::Pop => {
-                    let two_sided = draw.flags().contains(pointstage_plugin_api::DrawFlags::TWO_SIDED);
-                    let view = if two_sided && projection.cull_backs {
-                        CutView::new(&Projection { cull_backs: false, ..projection }, &part.tree.grid)
-                    } else {
-                        view
-                    };
-                    let cut = self.cuts[number].update(part, &view, wanted.is_coherent, took);
+                    let cut = &mut self.cuts[number];
+                    if cut.starts_on_device(&prepared.passes, part, &view, wanted.walk)? {
+                        let triangles_first = cut.look(took)?;
+                        let list_first = LIST_HEAD;
+                        add(Kind::Splats, None, TreeUniform { count_at: 0, list_first, ..uniform });
+                        let (list_first, list_step) = (triangles_first, u32::MAX);
+                        add(Kind::Triangles, None, TreeUniform { count_at: 1, list_first, list_step, ..uniform });
+                        continue;
+                    }
+                    let threads = frame.thread_count();
+                    let cut = cut.update(part, &view, wanted.is_coherent, threads, took);
                     let (splats, triangles) = (cut.splats.len() as u32, cut.triangles.len() as u32);
                     let list_first = LIST_HEAD;
-                    add(Kind::Splats, splats, TreeUniform { count_at: 0, list_first, ..uniform });
+                    add(Kind::Splats, Some(splats), TreeUniform { count_at: 0, list_first, ..uniform });
                     let list_first = LIST_HEAD + splats;
-                    add(Kind::Triangles, triangles, TreeUniform { count_at: 1, list_first, ..uniform });
+                    add(Kind::Triangles, Some(triangles), TreeUniform { count_at: 1, list_first, ..uniform });
                 }
             }
         }
@@ -200,30 +209,46 @@ impl PopView {
         let passes = &*prepared.passes;
         let uniform_buffer = self.write_uniforms(passes, uniforms)?;
         for cut in &mut self.cuts {
-            cut.write_list(passes, &uniform_buffer)?;
+            cut.ready_list(passes, &uniform_buffer)?;
         }
         let source = self.ready_visible(passes, frame.size_px(), wanted.path)?;
         let missing = || Error::failed("the view's buffers were not made before recording");
+        let mut recorder = Recorder::new();
+        let group = frame.group();
+        for (uniform, draw) in (0..).zip(planned) {
+            if draw.kind == Kind::Splats && draw.count.is_none() {
+                let place = (group, draw.draw_offset, uniform);
+                self.cuts[draw.part].record_selection(passes, &mut recorder, place)?;
+            }
+        }
         let (Some(visible), cuts) = (&self.visible, &self.cuts) else {
             return Err(missing());
         };
         let draws = (0..)
             .zip(planned)
             .map(|(uniform, draw)| {
-                let list = cuts[draw.part].list.as_ref().ok_or_else(missing)?;
+                let cut = &cuts[draw.part];
+                let is_triangles = draw.kind.is_triangles();
+                let count = match (draw.count, &cut.device) {
+                    (Some(count), _) => Count::Known(count),
+                    (None, Some(device)) => Count::OnDevice {
+                        arguments: &device.arguments,
+                        dispatch: if is_triangles { 12 } else { 0 },
+                        draw: if is_triangles { 40 } else { 24 },
+                    },
+                    (None, None) => return Err(missing()),
+                };
                 Ok(Draw {
                     kind: draw.kind,
-                    count: draw.count,
+                    count,
                     uniform,
                     draw_offset: draw.draw_offset,
                     tree: &prepared.parts[draw.part].group,
-                    list: &list.group,
+                    list: &cut.list.as_ref().ok_or_else(missing)?.group,
                     pixels: draw.pixels,
                 })
             })
             .collect::<Result<Vec<_>>>()?;
-        let mut recorder = Recorder::new();
-        let group = frame.group();
         let shading = match visible {
             Visible::Buffers { pixels, large, arguments, group: pixel_group, shading, .. } => {
                 recorder.clear_buffer(pixels);
@@ -248,7 +273,11 @@ impl PopView {
             }
         };
         let set = targets.all();
+        let draws_any = |kinds: &[Kind]| planned.iter().any(|draw| kinds.contains(&draw.kind));
         let mut look = Vec::new();
+        look.extend(draws_any(&[Kind::Splats]).then_some("nodes"));
+        look.extend(draws_any(&[Kind::Triangles, Kind::AllTriangles]).then_some("triangles"));
+        look.extend(draws_any(&[Kind::Points]).then_some("points"));
         look.extend(wanted.is_gouraud.then_some("gouraud"));
         look.extend(wanted.has_pop_colours.then_some("pop_colours"));
         let pipeline = passes.shading(source, set, &look)?;
@@ -355,7 +384,14 @@ impl Visible {
 
 impl PartCut {
     /// The part's cut for a view.
-    fn update(&mut self, part: &Arc<Part>, view: &CutView, is_coherent: bool, took: &mut Took) -> &Cut {
+    fn update(
+        &mut self,
+        part: &Arc<Part>,
+        view: &CutView,
+        is_coherent: bool,
+        thread_count: usize,
+        took: &mut Took,
+    ) -> &Cut {
         let is_same = self.part.as_ref().is_some_and(|last| Arc::ptr_eq(last, part));
         if !is_same {
             self.part = Some(Arc::clone(part));
@@ -363,7 +399,7 @@ impl PartCut {
         }
         let start = Instant::now();
         if is_coherent {
-            self.coherent.update(&part.tree, view, &mut self.cut);
+            self.coherent.update(&part.tree, view, thread_count, &mut self.cut);
         } else {
             self.coherent.forget();
             full(&part.tree, view, &mut self.cut);
@@ -374,6 +410,60 @@ impl PartCut {
         took.evaluated += self.cut.counts.evaluated;
         took.culled += self.cut.counts.culled;
         &self.cut
+    }
+
+    /// Whether the device makes this frame's cut; then its buffers are ready.
+    fn starts_on_device(&mut self, passes: &Passes, part: &Arc<Part>, view: &CutView, walk: Walk) -> Result<bool> {
+        self.on_device = None;
+        let wanted = match walk {
+            Walk::Auto => !passes.gpu.is_software(),
+            Walk::Cpu => false,
+            Walk::Device => true,
+        };
+        let Root::Open(open) = view.root(&part.tree) else { return Ok(false) };
+        if !wanted || !DeviceCut::fits(part) {
+            self.device = None;
+            return Ok(false);
+        }
+        if !self.device.as_ref().is_some_and(|device| device.is_of(part)) {
+            self.device = Some(DeviceCut::new(passes, part)?);
+            self.list = None;
+        }
+        self.on_device = Some((view.clone(), open));
+        Ok(true)
+    }
+
+    /// Adds what the device counted last; where the list's triangles are.
+    fn look(&mut self, took: &mut Took) -> Result<u32> {
+        let Some(device) = &mut self.device else { return Ok(0) };
+        device.look()?;
+        if let Some(tally) = device.last {
+            took.splats += u64::from(tally.splats);
+            took.triangles += u64::from(tally.triangles);
+            took.evaluated += u64::from(tally.asked);
+            took.culled += u64::from(tally.culled);
+        }
+        Ok(device.triangles_first())
+    }
+
+    /// Records the device's selection.
+    fn record_selection(&mut self, passes: &Passes, recorder: &mut Recorder, place: (GroupRef, u32, u32)) -> Result<()> {
+        match (&mut self.device, &self.on_device) {
+            (Some(device), Some((view, open))) => device.record(passes, recorder, view, *open, place),
+            _ => Ok(()),
+        }
+    }
+
+    /// The list on the device: written, or to be filled there.
+    fn ready_list(&mut self, passes: &Passes, uniforms: &Buffer) -> Result<()> {
+        match (&mut self.device, &self.on_device) {
+            (Some(device), Some(_)) => {
+                let group = device.ready_uniforms(passes, uniforms)?;
+                self.list = Some(List { bytes: 0, buffer: None, uniforms: uniforms.as_handle(), group });
+                Ok(())
+            }
+            _ => self.write_list(passes, uniforms),
+        }
     }
 
     /// Writes the cut's list to the device.
@@ -404,16 +494,16 @@ impl PartCut {
                 layout: passes.list_layout.handle(),
                 entries: entries.as_slice().into(),
             })?;
-            self.list = Some(List { bytes: capacity, buffer, uniforms: uniform_handle, group });
+            self.list = Some(List { bytes: capacity, buffer: Some(buffer), uniforms: uniform_handle, group });
         }
-        let Some(list) = &self.list else { return Ok(()) };
-        let head = [splats.len() as u32, triangles.len() as u32];
-        gpu.write(&list.buffer, 0, &head)?;
-        if !splats.is_empty() {
-            gpu.write(&list.buffer, 4 * u64::from(LIST_HEAD), splats)?;
-        }
-        if !triangles.is_empty() {
-            gpu.write(&list.buffer, 4 * (u64::from(LIST_HEAD) + splats.len() as u64), triangles)?;
+        let Some(List { buffer: Some(buffer), .. }) = &self.list else { return Ok(()) };
+        gpu.write(buffer, 0, &[splats.len() as u32, triangles.len() as u32])?;
+        let mut at = 4 * u64::from(LIST_HEAD);
+        for entries in [splats, triangles] {
+            if !entries.is_empty() {
+                gpu.write(buffer, at, entries)?;
+                at += 4 * entries.len() as u64;
+            }
         }
         Ok(())
     }
@@ -428,8 +518,38 @@ fn projection_of(uniform: &FrameUniform, view_from_object: &[[f32; 4]; 4], wante
         pixels_per_unit: uniform.pixels_per_unit,
         is_orthographic: uniform.is_orthographic != 0,
         threshold_px: wanted.threshold_px,
-        cull_backs: wanted.cull_backs,
+        cull_backs: false,
+        is_inward: false,
     }
+}
+
+/// The view of a part's tree, with or without culling.
+fn culling_view(projection: &Projection, part: &Part, culling: Culling, two_sided: bool) -> CutView {
+    let view = CutView::new(projection, &part.tree.grid);
+    let culls = match culling {
+        Culling::On => true,
+        Culling::Off => false,
+        Culling::Auto => part.surface.is_closed && is_outside(&view, part),
+    };
+    if !culls || two_sided {
+        return view;
+    }
+    let projection = Projection {
+        cull_backs: true,
+        is_inward: part.surface.is_inward,
+        ..*projection
+    };
+    CutView::new(&projection, &part.tree.grid)
+}
+
+/// Whether the eye, and with it the near plane, is well outside the tree's root.
+fn is_outside(view: &CutView, part: &Part) -> bool {
+    let Some(root) = part.tree.nodes.first() else { return false };
+    let projection = view.projection();
+    let centre = projection.view_from_object.transform_point3(part.tree.grid.position(root.place()));
+    let clip = projection.clip_from_view * (centre + Vec3::Z * root.radius() * view.stretch()).extend(1.0);
+    // Reversed depth: before the near plane z exceeds w.
+    clip.z < clip.w && (projection.is_orthographic || clip.w > 0.0)
 }
 
 /// Reports what a frame took.
@@ -444,5 +564,7 @@ fn report(frame: &mut Frame<'_>, prepared: &Pop, took: &Took) {
     frame.report("nodes_culled", took.culled as f64);
     frame.report("selection_ms", milliseconds(took.selection));
     frame.report("tree_nodes", nodes as f64);
+    let levels = prepared.parts.iter().map(|part| part.tree.level_starts.len()).max();
+    frame.report("tree_levels", levels.unwrap_or_default() as f64);
     frame.report("tree_ms", milliseconds(build));
 }

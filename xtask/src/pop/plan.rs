@@ -166,7 +166,7 @@ impl Plan {
         format!(
             "{{\"flip\": {}, \"size\": [{width}, {height}], \"turn_deg\": {TURN_DEG:?},\n \
              \"builds\": {BUILDS}, \"warm_up\": {WARM_UP}, \"frames\": {FRAMES},\n \
-             \"settings\": {{\"cull_backs\": true, \"cache\": false}},\n \"cases\": [\n  {}]}}\n",
+             \"settings\": {{\"cull_backs\": \"on\", \"cache\": false}},\n \"cases\": [\n  {}]}}\n",
             self.flip,
             cases.join(",\n  ")
         )

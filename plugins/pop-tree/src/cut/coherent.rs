@@ -3,33 +3,41 @@
 //! Every answer comes with its slack: how far the camera may move until it can change. Two odometers run: how far points of
 //! the object moved in view space at most, and how far the eye moved in object space. An answer holds until its odometer
 //! reading is passed. Subtrees of some levels ([`CHUNK_LEVELS`]) keep the walk through them, with the least reading of every
-//! part: a part in which nothing can have changed is taken over as it stands, untested.
+//! part: a part in which nothing can have changed is taken over as it stands, untested. Subtrees are independent, so threads
+//! share them.
 //!
 //! The scheme of the seed marks the nodes of the last cut and walks up or down from each, and so asks every node of the cut;
 //! this one asks few of them, and what it gives is the full walk's answer by construction.
 
-use super::view::{Open, Projection, Slack, Verdict, View};
-use super::{Counts, Cut};
+use super::view::{Answers, Open, Projection, Slack, Verdict, View};
+use super::Cut;
 use crate::node::Node;
 use crate::tree::Tree;
+use core::ops::Range;
 use pointstage_plugin_api::glam::{DVec3, Mat4, Vec3};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 /// Levels of a subtree that keeps its walk; above, every node is asked each time.
-const CHUNK_LEVELS: usize = 6;
+const CHUNK_LEVELS: usize = 7;
 /// Greatest reading, in extents of the object, until all is asked anew: readings are f32.
 const LONGEST_WAY: f64 = 64.0;
 /// What is taken off each slack, in units of the greatest length at hand: what single precision can err.
 const ROUNDING: f32 = 4e-6;
+/// Fewer subtrees than this are walked on the calling thread.
+const FEWEST_FOR_THREADS: usize = 16;
 
 /// The last cut of a tree, for the next.
 #[derive(Clone, Debug, Default)]
 pub struct CoherentCut {
     last: Option<Last>,
-    chunks: Vec<Option<Box<Chunk>>>,
+    /// Of the nodes on one level, in their order.
+    chunks: Vec<Chunk>,
+    /// What the walk above the subtrees meets, in its order.
+    met: Vec<Met>,
     /// Odometers: of points in view space, of the eye in object space.
     way_view: f64,
     way_eye: f64,
-    spare: Chunk,
 }
 
 /// The view of the last cut.
@@ -39,15 +47,27 @@ struct Last {
     eye_object: Vec3,
 }
 
-/// The walk through a subtree.
+/// What the walk above the subtrees meets.
+#[derive(Clone, Copy, Debug)]
+enum Met {
+    Splat(u32),
+    /// A subtree by its number, with what its root leaves open.
+    Chunk(u32, Open),
+}
+
+/// The walk below a node.
 #[derive(Clone, Debug, Default)]
 struct Chunk {
-    /// What the root's ancestors left open.
+    /// What the root left open.
     open: Option<Open>,
     entries: Vec<Entry>,
     splats: Vec<u32>,
     triangles: Vec<u32>,
     culled: u64,
+    /// Least readings of all.
+    least: Slack,
+    /// Of the last update.
+    evaluated: u64,
 }
 
 /// A node of the walk, followed by those below it.
@@ -78,6 +98,16 @@ struct Now<'a> {
     rounding_eye: f32,
 }
 
+/// Where the old walk has a node's answer.
+#[derive(Clone, Copy)]
+struct Before<'a> {
+    chunk: &'a Chunk,
+    /// Place of the entry of the first sibling.
+    first: Option<u32>,
+    /// Whether something else was left open for the siblings, so that their answers are void.
+    is_void: bool,
+}
+
 impl CoherentCut {
     /// Forgets what is known.
     pub fn forget(&mut self) {
@@ -85,7 +115,9 @@ impl CoherentCut {
     }
 
     /// The cut of a tree, the same one in every call until [`CoherentCut::forget`]: what [`super::full`] gives.
-    pub fn update(&mut self, tree: &Tree, view: &View, cut: &mut Cut) {
+    ///
+    /// * `thread_count`: threads to walk on, the calling one if 0 or 1.
+    pub fn update(&mut self, tree: &Tree, view: &View, thread_count: usize, cut: &mut Cut) {
         cut.clear();
         if tree.nodes.is_empty() {
             return;
@@ -104,9 +136,23 @@ impl CoherentCut {
             way_eye: self.way_eye,
             rounding_view: ROUNDING * longest * view.stretch(),
             // A direction has length 1.
-            rounding_eye: if view.projection().is_orthographic { ROUNDING * LONGEST_WAY as f32 } else { ROUNDING * longest },
+            rounding_eye: ROUNDING * if view.projection().is_orthographic { LONGEST_WAY as f32 } else { longest },
         };
-        self.descend(&now, 0, view.all_open(), first, end, cut);
+        self.met.clear();
+        self.descend(&now, 0..1, view.all_open(), first..end, cut);
+        self.walk_chunks(&now, first, thread_count);
+        for met in &self.met {
+            match *met {
+                Met::Splat(node) => cut.splats.push(node),
+                Met::Chunk(number, _) => {
+                    let chunk = &self.chunks[number as usize];
+                    cut.splats.extend_from_slice(&chunk.splats);
+                    cut.triangles.extend_from_slice(&chunk.triangles);
+                    cut.counts.culled += chunk.culled;
+                    cut.counts.evaluated += chunk.evaluated;
+                }
+            }
+        }
     }
 
     /// Moves the odometers on, or starts anew where answers cannot be carried over.
@@ -117,60 +163,88 @@ impl CoherentCut {
             let matrix = last.projection.view_from_object;
             Projection { view_from_object: matrix, ..projection } == last.projection
         });
-        if let Some(last) = self.last.as_ref().filter(|_| carries && self.chunks.len() == chunk_count) {
-            let moved = greatest_motion(tree, &last.projection.view_from_object, &projection.view_from_object);
-            self.way_view += moved;
+        if let Some(last) = self.last.as_ref().filter(|_| carries) {
+            self.way_view += greatest_motion(tree, &last.projection.view_from_object, &projection.view_from_object);
             self.way_eye += f64::from(eye_object.distance(last.eye_object));
         }
         let limit_view = LONGEST_WAY * f64::from(extent * view.stretch());
         let limit_eye = LONGEST_WAY * if projection.is_orthographic { 1.0 } else { f64::from(extent) };
         let is_near = self.way_view <= limit_view && self.way_eye <= limit_eye;
         if !carries || self.chunks.len() != chunk_count || !is_near {
-            self.chunks = vec![None; chunk_count];
+            self.chunks.clear();
+            self.chunks.resize_with(chunk_count, Chunk::default);
             (self.way_view, self.way_eye) = (0.0, 0.0);
         }
         self.last = Some(Last { projection, eye_object });
     }
 
-    /// Asks the nodes above the chunks.
-    fn descend(&mut self, now: &Now<'_>, node: u32, open: Open, first: u32, end: u32, cut: &mut Cut) {
-        if (first..end).contains(&node) {
-            let chunk = &mut self.chunks[(node - first) as usize];
-            chunk.get_or_insert_default().update(now, node, open, &mut self.spare, cut);
-            return;
-        }
-        let packed = now.tree.nodes[node as usize];
-        cut.counts.evaluated += 1;
-        let judged = now.view.judge::<false>(packed, open);
-        match judged.verdict {
-            Verdict::Culled => cut.counts.culled += 1,
-            Verdict::Small => cut.splats.push(node),
-            // Leaves are on the last level, so none is above the chunks.
-            Verdict::Large => {
-                for child in packed.children() {
-                    self.descend(now, child, judged.open, first, end, cut);
+    /// Asks the nodes above the subtrees and the subtrees' roots.
+    fn descend(&mut self, now: &Now<'_>, siblings: Range<u32>, open: Open, roots: Range<u32>, cut: &mut Cut) {
+        let nodes = now.nodes(&siblings);
+        cut.counts.evaluated += nodes.len() as u64;
+        let answers = now.view.judge::<false>(nodes, open);
+        for (place, (number, node)) in siblings.zip(nodes).enumerate() {
+            match answers.of(place) {
+                (Verdict::Culled, _) => cut.counts.culled += 1,
+                (Verdict::Small, _) => self.met.push(Met::Splat(number)),
+                // Only a tree of one node has a leaf here.
+                (Verdict::Large, _) if number >= now.tree.first_leaf() => cut.triangles.push(node.link()),
+                (Verdict::Large, open) if roots.contains(&number) => {
+                    self.met.push(Met::Chunk(number - roots.start, open));
                 }
+                (Verdict::Large, open) => self.descend(now, node.children(), open, roots.clone(), cut),
             }
         }
+    }
+
+    /// Brings the subtrees that were met up to date.
+    fn walk_chunks(&mut self, now: &Now<'_>, first: u32, thread_count: usize) {
+        let mut chunks = self.chunks.iter_mut().enumerate();
+        let mut stale = Vec::new();
+        for met in &self.met {
+            let Met::Chunk(number, open) = *met else { continue };
+            // Subtrees are met by rising numbers.
+            let Some((_, chunk)) = chunks.find(|(other, _)| *other == number as usize) else { continue };
+            chunk.evaluated = 0;
+            if chunk.open != Some(open) || !now.holds(chunk.least) {
+                stale.push((first + number, open, chunk));
+            }
+        }
+        let is_worth_it = stale.len() >= FEWEST_FOR_THREADS && thread_count > 1;
+        let jobs = Mutex::new(stale.into_iter());
+        let work = || {
+            let mut spare = Chunk::default();
+            loop {
+                let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some((root, open, chunk)) = job else { return };
+                chunk.update(now, root, open, &mut spare);
+            }
+        };
+        thread::scope(|scope| {
+            for _ in 1..if is_worth_it { thread_count } else { 1 } {
+                // A thread that is not to be had is not needed.
+                if thread::Builder::new().name("pop".into()).spawn_scoped(scope, &work).is_err() {
+                    break;
+                }
+            }
+            work();
+        });
     }
 }
 
 impl Chunk {
-    /// Brings the walk up to date and adds its part to the cut.
-    fn update(&mut self, now: &Now<'_>, root: u32, open: Open, spare: &mut Self, cut: &mut Cut) {
-        let holds = self.open == Some(open) && self.entries.first().is_some_and(|entry| now.holds(entry.least));
-        if !holds {
-            let had = self.open.is_some().then_some(0);
-            let is_same = self.open == Some(open);
-            spare.clear();
-            let old = &*self;
-            spare.walk(now, old, had, !is_same, root, open, &mut cut.counts);
-            spare.open = Some(open);
-            core::mem::swap(self, spare);
-        }
-        cut.splats.extend_from_slice(&self.splats);
-        cut.triangles.extend_from_slice(&self.triangles);
-        cut.counts.culled += self.culled;
+    /// Brings the walk up to date; `spare` gets the old one.
+    fn update(&mut self, now: &Now<'_>, root: u32, open: Open, spare: &mut Self) {
+        spare.clear();
+        let before = Before {
+            chunk: self,
+            first: self.open.is_some().then_some(0),
+            is_void: self.open != Some(open),
+        };
+        let children = now.tree.nodes[root as usize].children();
+        spare.least = spare.walk(now, before, children, open);
+        spare.open = Some(open);
+        core::mem::swap(self, spare);
     }
 
     fn clear(&mut self) {
@@ -179,84 +253,67 @@ impl Chunk {
         self.splats.clear();
         self.triangles.clear();
         self.culled = 0;
+        self.evaluated = 0;
     }
 
-    /// Walks a node and what is below; `had` is its place in the old walk, whose answer about it is void if `is_void`.
-    fn walk(
-        &mut self,
-        now: &Now<'_>,
-        old: &Self,
-        had: Option<u32>,
-        is_void: bool,
-        node: u32,
-        open: Open,
-        counts: &mut Counts,
-    ) {
-        let known = had.map(|place| old.entries[place as usize]);
-        if let (Some(place), Some(entry)) = (had, known)
-            && !is_void
-            && now.holds(entry.least)
-        {
-            self.take_over(old, place, entry.end);
-            return;
-        }
-        let packed = now.tree.nodes[node as usize];
-        let (verdict, left_open, own) = match known {
-            Some(entry) if !is_void && now.holds(entry.own) => (entry.verdict, entry.open, entry.own),
-            _ => {
-                counts.evaluated += 1;
-                let judged = now.view.judge::<true>(packed, open);
-                (judged.verdict, judged.open, now.until(judged.slack))
+    /// Walks siblings and what is below them; their least readings.
+    fn walk(&mut self, now: &Now<'_>, before: Before<'_>, siblings: Range<u32>, open: Open) -> Slack {
+        let nodes = now.nodes(&siblings);
+        let old = before.chunk;
+        let mut answers: Option<Answers> = None;
+        let mut least = Slack::ENDLESS;
+        let mut had = before.first;
+        for (place, (number, node)) in siblings.zip(nodes).enumerate() {
+            let known = had.map(|place| &old.entries[place as usize]);
+            let stands = known.filter(|_| !before.is_void);
+            if let (Some(from), Some(entry)) = (had, stands)
+                && now.holds(entry.least)
+            {
+                self.take_over(old, from, entry.end);
+                least = least.min(entry.least);
+                had = Some(entry.end);
+                continue;
             }
-        };
-        let at = self.entries.len();
-        self.entries.push(Entry {
-            end: 0,
-            splats: self.splats.len() as u32,
-            triangles: self.triangles.len() as u32,
-            verdict,
-            open: left_open,
-            own,
-            least: own,
-        });
-        match verdict {
-            Verdict::Culled => self.culled += 1,
-            Verdict::Small => self.splats.push(node),
-            Verdict::Large if node >= now.tree.first_leaf() => self.triangles.push(packed.link()),
-            Verdict::Large => self.walk_children(now, old, (had, known), packed, left_open, counts, at),
-        }
-        self.entries[at].end = self.entries.len() as u32;
-    }
-
-    /// Walks the children of the entry at `at`.
-    fn walk_children(
-        &mut self,
-        now: &Now<'_>,
-        old: &Self,
-        (had, known): (Option<u32>, Option<Entry>),
-        packed: Node,
-        open: Open,
-        counts: &mut Counts,
-        at: usize,
-    ) {
-        // The old walk has the children if it opened the node; their answers are void if something else is left open now.
-        let is_void = known.is_none_or(|entry| entry.open != open);
-        let mut had_child = had
-            .zip(known)
-            .filter(|(_, entry)| entry.verdict == Verdict::Large)
-            .map(|(place, _)| place + 1);
-        let mut least = self.entries[at].own;
-        for child in packed.children() {
-            let place = self.entries.len();
-            self.walk(now, old, had_child, is_void, child, open, counts);
-            had_child = had_child.map(|place| old.entries[place as usize].end);
-            let below = self.entries[place].least;
-            least = Slack {
-                view: least.view.min(below.view),
-                eye: least.eye.min(below.eye),
+            let (verdict, left_open, own) = match stands.filter(|entry| now.holds(entry.own)) {
+                Some(entry) => (entry.verdict, entry.open, entry.own),
+                None => {
+                    self.evaluated += 1;
+                    let answers = answers.get_or_insert_with(|| now.view.judge::<true>(nodes, open));
+                    let (verdict, left_open) = answers.of(place);
+                    (verdict, left_open, now.until(answers.slack(place)))
+                }
             };
+            let at = self.entries.len();
+            self.entries.push(Entry {
+                end: 0,
+                splats: self.splats.len() as u32,
+                triangles: self.triangles.len() as u32,
+                verdict,
+                open: left_open,
+                own,
+                least: own,
+            });
+            match verdict {
+                Verdict::Culled => self.culled += 1,
+                Verdict::Small => self.splats.push(number),
+                Verdict::Large if number >= now.tree.first_leaf() => self.triangles.push(node.link()),
+                Verdict::Large => {
+                    // The old walk has the children if it opened the node; void if it left something else open for them.
+                    let opened = known.filter(|entry| entry.verdict == Verdict::Large);
+                    let below = Before {
+                        chunk: old,
+                        first: had.filter(|_| opened.is_some()).map(|place| place + 1),
+                        is_void: opened.is_none_or(|entry| entry.open != left_open),
+                    };
+                    let below = self.walk(now, below, node.children(), left_open);
+                    self.entries[at].least = own.min(below);
+                }
+            }
+            self.entries[at].end = self.entries.len() as u32;
+            least = least.min(self.entries[at].least);
+            had = known.map(|entry| entry.end);
         }
-        self.entries[at].least = least;
+        least
     }
 
     /// Takes over a part of the old walk as it stands.
@@ -282,7 +339,11 @@ impl Chunk {
     }
 }
 
-impl Now<'_> {
+impl<'a> Now<'a> {
+    fn nodes(&self, numbers: &Range<u32>) -> &'a [Node] {
+        &self.tree.nodes[numbers.start as usize..numbers.end as usize]
+    }
+
     /// Whether answers with these readings still stand.
     fn holds(&self, until: Slack) -> bool {
         f64::from(until.view) > self.way_view && f64::from(until.eye) > self.way_eye

@@ -1,30 +1,29 @@
 //! The cut from the root, each time.
 
 use super::Cut;
-use super::view::{Judged, Open, Verdict, View};
+use super::view::{Open, Verdict, View};
 use crate::tree::Tree;
+use core::ops::Range;
 
 /// The cut of a tree, asked from the root.
 pub fn full(tree: &Tree, view: &View, cut: &mut Cut) {
     cut.clear();
     if !tree.nodes.is_empty() {
-        walk(tree, view, 0, view.all_open(), cut);
+        walk(tree, view, 0..1, view.all_open(), cut);
     }
 }
 
-/// The cut below a node, itself included.
-fn walk(tree: &Tree, view: &View, node: u32, open: Open, cut: &mut Cut) {
-    let packed = tree.nodes[node as usize];
-    cut.counts.evaluated += 1;
-    let Judged { verdict, open, .. } = view.judge::<false>(packed, open);
-    match verdict {
-        Verdict::Culled => cut.counts.culled += 1,
-        Verdict::Small => cut.splats.push(node),
-        Verdict::Large if node >= tree.first_leaf() => cut.triangles.push(packed.link()),
-        Verdict::Large => {
-            for child in packed.children() {
-                walk(tree, view, child, open, cut);
-            }
+/// The cut below siblings, themselves included.
+fn walk(tree: &Tree, view: &View, siblings: Range<u32>, open: Open, cut: &mut Cut) {
+    let nodes = &tree.nodes[siblings.start as usize..siblings.end as usize];
+    cut.counts.evaluated += nodes.len() as u64;
+    let answers = view.judge::<false>(nodes, open);
+    for (place, (number, node)) in siblings.zip(nodes).enumerate() {
+        match answers.of(place) {
+            (Verdict::Culled, _) => cut.counts.culled += 1,
+            (Verdict::Small, _) => cut.splats.push(number),
+            (Verdict::Large, _) if number >= tree.first_leaf() => cut.triangles.push(node.link()),
+            (Verdict::Large, open) => walk(tree, view, node.children(), open, cut),
         }
     }
 }

@@ -12,7 +12,7 @@ mod view;
 
 pub use coherent::CoherentCut;
 pub use full::full;
-pub use view::{Projection, View};
+pub use view::{Projection, Root, View, ViewWords};
 
 /// A cut.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
