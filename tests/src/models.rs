@@ -74,7 +74,9 @@ pub fn coloured(name: &str, surfels: &[Surfel], colour: impl FnMut(&Surfel) -> V
 /// The same as [`object`] with triangles over the surfels.
 pub fn meshed(name: &str, vertices: &[Surfel], triangles: &[[u32; 3]]) -> Object {
     let mut object = object(name, vertices);
-    let Geometry { blocks, origins, .. } = (*object.geometry).clone();
+    let Geometry {
+        blocks, origins, ..
+    } = (*object.geometry).clone();
     object.geometry = Geometry::new(blocks, Some(triangles.into()), origins).into();
     object
 }
@@ -93,7 +95,10 @@ pub fn dented_mesh(rings: u32, sides: u32) -> (Vec<Surfel>, Vec<[u32; 3]>) {
         let here = centre(ring, side);
         let along = centre((ring + 1).min(rings), side) - centre(ring.saturating_sub(1), side);
         let across = centre(ring, side + 1) - centre(ring, side + sides - 1);
-        let normal = along.cross(across).try_normalize().unwrap_or(here.normalize());
+        let normal = along
+            .cross(across)
+            .try_normalize()
+            .unwrap_or(here.normalize());
         Surfel {
             centre: here.as_vec3(),
             radius: 0.01,
@@ -105,7 +110,10 @@ pub fn dented_mesh(rings: u32, sides: u32) -> (Vec<Surfel>, Vec<[u32; 3]>) {
     let cell = |number: u32| {
         let (ring, side) = (number / sides, number % sides);
         let [here, next] = [side, (side + 1) % sides].map(|side| ring * sides + side);
-        [[here, here + sides, next + sides], [here, next + sides, next]]
+        [
+            [here, here + sides, next + sides],
+            [here, next + sides, next],
+        ]
     };
     (vertices, (0..rings * sides).flat_map(cell).collect())
 }

@@ -27,7 +27,9 @@ pub type Setting = (&'static str, SettingValue);
 pub fn stage() -> Option<MutexGuard<'static, Stage>> {
     static STAGE: OnceLock<Mutex<Stage>> = OnceLock::new();
     let open = || {
-        Mutex::new(stages::stage(&["points", "surfel", "hqss", "pop", "ewa_reference"]).expect("a stage"))
+        Mutex::new(
+            stages::stage(&["points", "surfel", "hqss", "pop", "ewa_reference"]).expect("a stage"),
+        )
     };
     let stage = STAGE.get_or_init(open);
     let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);

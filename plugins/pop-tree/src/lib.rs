@@ -9,11 +9,11 @@
 
 #![forbid(unsafe_code)]
 
-pub mod cut;
 mod attributes;
 mod ball;
 mod build;
 mod crew;
+pub mod cut;
 pub mod file;
 mod fingerprint;
 mod layout;

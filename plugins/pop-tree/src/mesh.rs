@@ -28,7 +28,10 @@ pub struct Mesh<'a> {
 impl<'a> Mesh<'a> {
     /// Vertices of all blocks.
     pub fn vertex_count(&self) -> usize {
-        self.blocks.iter().map(|block| block.position_radius.len()).sum()
+        self.blocks
+            .iter()
+            .map(|block| block.position_radius.len())
+            .sum()
     }
 
     /// Position of a vertex; none if there is no such vertex.

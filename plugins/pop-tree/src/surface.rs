@@ -15,7 +15,10 @@ pub struct Surface {
 impl Surface {
     /// Of a mesh; triangles whose vertices do not exist are left out.
     pub fn of(mesh: &Mesh<'_>) -> Self {
-        let first = mesh.triangles.first().and_then(|triangle| mesh.position(triangle[0]));
+        let first = mesh
+            .triangles
+            .first()
+            .and_then(|triangle| mesh.position(triangle[0]));
         let origin = first.unwrap_or_default().as_dvec3();
         let (mut edges, mut volume) = (0_u64, 0.0);
         for triangle in mesh.triangles {
@@ -23,7 +26,8 @@ impl Surface {
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 edges = edges.wrapping_add(edge_sign(from, to));
             }
-            let [Some(pa), Some(pb), Some(pc)] = triangle.map(|vertex| mesh.position(vertex)) else {
+            let [Some(pa), Some(pb), Some(pc)] = triangle.map(|vertex| mesh.position(vertex))
+            else {
                 continue;
             };
             let [pa, pb, pc] = [pa, pb, pc].map(|place| place.as_dvec3() - origin);
@@ -73,16 +77,36 @@ mod tests {
     ];
 
     fn surface(triangles: &[[u32; 3]]) -> Surface {
-        let blocks = [VertexBlock { position_radius: &CORNERS, normals: None, colours: None }];
-        Surface::of(&Mesh { block_size: 4, blocks: &blocks, triangles })
+        let blocks = [VertexBlock {
+            position_radius: &CORNERS,
+            normals: None,
+            colours: None,
+        }];
+        Surface::of(&Mesh {
+            block_size: 4,
+            blocks: &blocks,
+            triangles,
+        })
     }
 
     #[test]
     fn a_tetrahedron_is_closed_and_knows_its_outside() {
         let outward = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let inward = outward.map(|[a, b, c]| [a, c, b]);
-        assert_eq!(surface(&outward), Surface { is_closed: true, is_inward: false });
-        assert_eq!(surface(&inward), Surface { is_closed: true, is_inward: true });
+        assert_eq!(
+            surface(&outward),
+            Surface {
+                is_closed: true,
+                is_inward: false
+            }
+        );
+        assert_eq!(
+            surface(&inward),
+            Surface {
+                is_closed: true,
+                is_inward: true
+            }
+        );
     }
 
     #[test]

@@ -30,6 +30,8 @@ impl Tree {
 
     /// Triangles in the order of the leaves: numbers of the mesh's triangles.
     pub fn leaf_triangles(&self) -> impl ExactSizeIterator<Item = u32> + '_ {
-        self.nodes[self.first_leaf() as usize..].iter().map(|node| node.link())
+        self.nodes[self.first_leaf() as usize..]
+            .iter()
+            .map(|node| node.link())
     }
 }

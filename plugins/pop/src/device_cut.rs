@@ -4,10 +4,12 @@
 use crate::part::Part;
 use crate::passes::{Passes, UNIFORM_BYTES};
 use crate::uniforms::STRIDE;
+use pointstage_plugin_api::Result;
 use pointstage_plugin_api::abi::commands::CopyBufferToBuffer;
 use pointstage_plugin_api::abi::{self, BufferUsage, Handle};
-use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer, Gpu, GroupRef, Recorder, Ticket};
-use pointstage_plugin_api::Result;
+use pointstage_plugin_api::gpu::{
+    AsHandle as _, BindGroup, Buffer, Gpu, GroupRef, Recorder, Ticket,
+};
 use pointstage_pop_tree::cut::{View as CutView, ViewWords};
 use std::sync::Arc;
 
@@ -74,29 +76,53 @@ impl DeviceCut {
         let mut levels = vec![0_u32; level_count.max(1) * STRIDE as usize / 4];
         for (level, words) in levels.chunks_exact_mut(STRIDE as usize / 4).enumerate() {
             let start = |level: usize| tree.level_starts.get(level).copied().unwrap_or_default();
-            words[..4].copy_from_slice(&[level as u32, start(level), start(level + 1), capacity(part)]);
+            words[..4].copy_from_slice(&[
+                level as u32,
+                start(level),
+                start(level + 1),
+                capacity(part),
+            ]);
         }
         let levels = gpu.buffer_with("levels", BufferUsage::UNIFORM, &levels)?;
-        let judge = gpu.buffer("judge", size_of::<ViewWords>() as u64, BufferUsage::UNIFORM | BufferUsage::COPY_DST)?;
+        let judge = gpu.buffer(
+            "judge",
+            size_of::<ViewWords>() as u64,
+            BufferUsage::UNIFORM | BufferUsage::COPY_DST,
+        )?;
         let counts = gpu.buffer("counts", 4 * (3 + level_count as u64), readable)?;
         let queue = gpu.buffer("queue", 4 * u64::from(tree.first_leaf().max(1)), storage)?;
-        let found = gpu.buffer("found", 4 * (u64::from(LIST_HEAD) + u64::from(capacity(part))), readable)?;
+        let found = gpu.buffer(
+            "found",
+            4 * (u64::from(LIST_HEAD) + u64::from(capacity(part))),
+            readable,
+        )?;
         let found_arguments = gpu.buffer("found arguments", 4 * ARGUMENT_WORDS, readable)?;
-        let arguments = gpu.buffer("arguments", 4 * ARGUMENT_WORDS, BufferUsage::INDIRECT | BufferUsage::COPY_DST)?;
+        let arguments = gpu.buffer(
+            "arguments",
+            4 * ARGUMENT_WORDS,
+            BufferUsage::INDIRECT | BufferUsage::COPY_DST,
+        )?;
         let tally = gpu.buffer("tally", 4 * TALLY_WORDS, readable)?;
         let entries = [
             whole(0, &judge),
             whole(1, &counts),
             whole(2, &queue),
             whole(3, &found),
-            abi::BindingRecord { size: UNIFORM_BYTES, ..whole(4, &levels) },
+            abi::BindingRecord {
+                size: UNIFORM_BYTES,
+                ..whole(4, &levels)
+            },
         ];
         let select_group = gpu.bind_group_from(&abi::BindGroupDescriptor {
             label: "selection".into(),
             layout: passes.select_layout.handle(),
             entries: entries.as_slice().into(),
         })?;
-        let draws_group = gpu.bind_group("draws", &passes.draws_layout, &[(0, &found), (1, &found_arguments)])?;
+        let draws_group = gpu.bind_group(
+            "draws",
+            &passes.draws_layout,
+            &[(0, &found), (1, &found_arguments)],
+        )?;
         Ok(Self {
             part: Arc::clone(part),
             judge,
@@ -127,31 +153,60 @@ impl DeviceCut {
 
     /// Takes what the device counted, if it has arrived.
     pub(crate) fn look(&mut self) -> Result<()> {
-        let Some(ticket) = &self.ticket else { return Ok(()) };
+        let Some(ticket) = &self.ticket else {
+            return Ok(());
+        };
         if let Some(bytes) = ticket.poll()? {
             self.ticket = None;
-            let words: Vec<u32> = bytes.chunks_exact(4).filter_map(|word| word.try_into().ok()).map(u32::from_ne_bytes).collect();
+            let words: Vec<u32> = bytes
+                .chunks_exact(4)
+                .filter_map(|word| word.try_into().ok())
+                .map(u32::from_ne_bytes)
+                .collect();
             if let [asked, culled, splats, triangles] = words[..] {
-                self.last = Some(Tally { asked, culled, splats, triangles });
+                self.last = Some(Tally {
+                    asked,
+                    culled,
+                    splats,
+                    triangles,
+                });
             }
         }
         Ok(())
     }
 
     /// Group 2 of the draws, with these uniforms.
-    pub(crate) fn ready_uniforms(&mut self, passes: &Passes, uniforms: &Buffer) -> Result<BindGroup> {
+    pub(crate) fn ready_uniforms(
+        &mut self,
+        passes: &Passes,
+        uniforms: &Buffer,
+    ) -> Result<BindGroup> {
         if let Some(ready) = &self.uniforms
             && ready.buffer == uniforms.as_handle()
         {
             return Ok(ready.with_list.clone());
         }
-        let uniform = abi::BindingRecord { size: UNIFORM_BYTES, ..whole(0, uniforms) };
-        let group = |layout, entries: &[abi::BindingRecord]| {
-            passes.gpu.bind_group_from(&abi::BindGroupDescriptor { label: "list".into(), layout, entries: entries.into() })
+        let uniform = abi::BindingRecord {
+            size: UNIFORM_BYTES,
+            ..whole(0, uniforms)
         };
-        let with_list = group(passes.list_layout.handle(), &[uniform, whole(1, &self.found)])?;
+        let group = |layout, entries: &[abi::BindingRecord]| {
+            passes.gpu.bind_group_from(&abi::BindGroupDescriptor {
+                label: "list".into(),
+                layout,
+                entries: entries.into(),
+            })
+        };
+        let with_list = group(
+            passes.list_layout.handle(),
+            &[uniform, whole(1, &self.found)],
+        )?;
         let alone = group(passes.uniform_layout.handle(), &[uniform])?;
-        self.uniforms = Some(Uniforms { buffer: uniforms.as_handle(), alone, with_list: with_list.clone() });
+        self.uniforms = Some(Uniforms {
+            buffer: uniforms.as_handle(),
+            alone,
+            with_list: with_list.clone(),
+        });
         Ok(with_list)
     }
 
@@ -171,7 +226,9 @@ impl DeviceCut {
         (frame, draw_offset, uniform): (GroupRef, u32, u32),
     ) -> Result<()> {
         let gpu: &Gpu = &passes.gpu;
-        let Some(uniforms) = &self.uniforms else { return Ok(()) };
+        let Some(uniforms) = &self.uniforms else {
+            return Ok(());
+        };
         let [level_kernel, draws_kernel] = passes.select()?;
         let tree = &self.part.tree;
         gpu.write(&self.judge, 0, &[view.words()])?;
@@ -224,5 +281,9 @@ fn capacity(part: &Part) -> u32 {
 
 /// A binding of a buffer from its start.
 fn whole(binding: u32, buffer: &Buffer) -> abi::BindingRecord {
-    abi::BindingRecord { binding, resource: buffer.as_handle(), ..Default::default() }
+    abi::BindingRecord {
+        binding,
+        resource: buffer.as_handle(),
+        ..Default::default()
+    }
 }

@@ -32,9 +32,16 @@ pub(crate) struct Part {
 
 impl Origin {
     /// Of an object.
-    pub(crate) fn of(object: &Object<'_>) -> Self {
-        let triangles = object.column(columns::TRIANGLES).map(|column| column.revision());
-        let blocks = object.blocks().flat_map(|block| block.columns().map(|column| column.revision()).collect::<Vec<_>>());
+    pub(crate) fn of(object: Object<'_>) -> Self {
+        let triangles = object
+            .column(columns::TRIANGLES)
+            .map(|column| column.revision());
+        let blocks = object.blocks().flat_map(|block| {
+            block
+                .columns()
+                .map(|column| column.revision())
+                .collect::<Vec<_>>()
+        });
         Self {
             object: object.id(),
             revisions: triangles.into_iter().chain(blocks).collect(),
@@ -42,13 +49,16 @@ impl Origin {
     }
 
     /// Whether the part belongs to an object.
-    pub(crate) fn is_of(&self, object: &Object<'_>) -> bool {
+    pub(crate) fn is_of(&self, object: Object<'_>) -> bool {
         self.object == object.id()
     }
 }
 
 /// The object's mesh; none if it has no triangles.
-pub(crate) fn mesh_of<'a>(object: &Object<'a>, store: &'a mut Vec<VertexBlock<'a>>) -> Option<Mesh<'a>> {
+pub(crate) fn mesh_of<'a>(
+    object: Object<'a>,
+    store: &'a mut Vec<VertexBlock<'a>>,
+) -> Option<Mesh<'a>> {
     let triangles = object.triangles()?;
     store.extend(object.blocks().map(|block| VertexBlock {
         position_radius: block.position_radius(),
@@ -67,7 +77,13 @@ impl Part {
     ///
     /// # Errors
     /// If the device refuses a resource, or the mesh does not fit.
-    pub(crate) fn new(passes: &Passes, object: &Object<'_>, tree: Arc<Tree>, surface: Surface, build_time: Duration) -> Result<Self> {
+    pub(crate) fn new(
+        passes: &Passes,
+        object: Object<'_>,
+        tree: Arc<Tree>,
+        surface: Surface,
+        build_time: Duration,
+    ) -> Result<Self> {
         let gpu = &passes.gpu;
         let name = object.name();
         let mut blocks = object.blocks();
@@ -81,7 +97,9 @@ impl Part {
         let missing = |what: &str| Error::failed(format!("the device has no {what} of '{name}'"));
         let buffer = |column: Option<Column<'_>>, what| {
             let buffer = column.and_then(|column| column.buffer());
-            buffer.map(|buffer| buffer.as_handle()).ok_or_else(|| missing(what))
+            buffer
+                .map(|buffer| buffer.as_handle())
+                .ok_or_else(|| missing(what))
         };
         let positions = buffer(block.column(columns::POSITION_RADIUS), "positions")?;
         let optional = |name| {

@@ -12,15 +12,23 @@ use pointstage_visibility::{Cache, Source, TargetSet, cached};
 
 const MODULES: [Module<'static>; 3] = [
     Module::new("pop::tree", include_str!("../../../shaders/pop/tree.wesl")),
-    Module::new("pop::splat", include_str!("../../../shaders/pop/splat.wesl")),
-    Module::new("pop::triangle", include_str!("../../../shaders/pop/triangle.wesl")),
+    Module::new(
+        "pop::splat",
+        include_str!("../../../shaders/pop/splat.wesl"),
+    ),
+    Module::new(
+        "pop::triangle",
+        include_str!("../../../shaders/pop/triangle.wesl"),
+    ),
 ];
 const COMPUTE: Module<'static> = Module::new(
     "pop::primitives_compute",
     include_str!("../../../shaders/pop/primitives_compute.wesl"),
 );
-const JUDGE: Module<'static> =
-    Module::new("pop::judge", include_str!("../../../shaders/pop/judge.wesl"));
+const JUDGE: Module<'static> = Module::new(
+    "pop::judge",
+    include_str!("../../../shaders/pop/judge.wesl"),
+);
 const SELECT_LEVEL: Module<'static> = Module::new(
     "pop::select_level",
     include_str!("../../../shaders/pop/select_level.wesl"),
@@ -133,17 +141,29 @@ impl Passes {
             frame_layout: gpu.frame_layout()?,
             tree_layout: layout(
                 "tree and mesh",
-                &[(0, any, read), (1, any, read), (2, any, read), (3, any, read), (4, any, read)],
+                &[
+                    (0, any, read),
+                    (1, any, read),
+                    (2, any, read),
+                    (3, any, read),
+                    (4, any, read),
+                ],
             )?,
             list_layout: layout("list", &[(0, any, Binding::UniformDynamic), (1, any, read)])?,
             pixels_layout: layout(
                 "pixels and large triangles",
-                &[(0, compute, Binding::Storage), (1, compute, Binding::Storage)],
+                &[
+                    (0, compute, Binding::Storage),
+                    (1, compute, Binding::Storage),
+                ],
             )?,
             visible_layout: layout("visible pixels", &[(0, fragment, read)])?,
             textures_layout: layout(
                 "visible primitives",
-                &[(0, fragment, Binding::TextureUint), (1, fragment, Binding::TextureDepth)],
+                &[
+                    (0, fragment, Binding::TextureUint),
+                    (1, fragment, Binding::TextureDepth),
+                ],
             )?,
             uniform_layout: layout("tree", &[(0, compute, Binding::UniformDynamic)])?,
             select_layout: layout(
@@ -156,7 +176,10 @@ impl Passes {
                     (4, compute, Binding::UniformDynamic),
                 ],
             )?,
-            draws_layout: layout("draws", &[(0, compute, read), (1, compute, Binding::Storage)])?,
+            draws_layout: layout(
+                "draws",
+                &[(0, compute, read), (1, compute, Binding::Storage)],
+            )?,
             gpu: gpu.clone(),
             select: Cache::default(),
             compute: Cache::default(),
@@ -196,7 +219,9 @@ impl Passes {
                     constants: &[],
                 })
             };
-            let large = kind.is_triangles().then(|| pipeline("primitives_compute_large"));
+            let large = kind
+                .is_triangles()
+                .then(|| pipeline("primitives_compute_large"));
             Ok(Kernels {
                 each: pipeline("primitives_compute")?,
                 large: large.transpose()?,
@@ -209,8 +234,12 @@ impl Passes {
         cached(&self.select, (), || {
             let size = self.group_size();
             let link = |(module, wide)| link_select(module, wide).map_err(Error::failed);
-            let level = self.gpu.shader("selection", &link((SELECT_LEVEL, size == WIDE_GROUP))?)?;
-            let draws = self.gpu.shader("draws of the selection", &link((SELECT_DRAWS, false))?)?;
+            let level = self
+                .gpu
+                .shader("selection", &link((SELECT_LEVEL, size == WIDE_GROUP))?)?;
+            let draws = self
+                .gpu
+                .shader("draws of the selection", &link((SELECT_DRAWS, false))?)?;
             let pipeline = |shader: &Shader, entry_point, layouts: &[_], constants: &[_]| {
                 self.gpu.compute_pipeline(&ComputePipelineOptions {
                     label: entry_point,
@@ -221,7 +250,12 @@ impl Passes {
                     constants,
                 })
             };
-            let layouts = [&self.frame_layout, &self.tree_layout, &self.uniform_layout, &self.select_layout];
+            let layouts = [
+                &self.frame_layout,
+                &self.tree_layout,
+                &self.uniform_layout,
+                &self.select_layout,
+            ];
             let constants = [("GROUP_SIZE", f64::from(size))];
             Ok([
                 pipeline(&level, "select_level", &layouts, &[])?,
@@ -253,7 +287,12 @@ impl Passes {
     }
 
     /// The shading pipeline for a set of targets.
-    pub(crate) fn shading(&self, source: Source, set: TargetSet, look: &[&'static str]) -> Result<RenderPipeline> {
+    pub(crate) fn shading(
+        &self,
+        source: Source,
+        set: TargetSet,
+        look: &[&'static str],
+    ) -> Result<RenderPipeline> {
         cached(&self.shading, (source, set, look.to_vec()), || {
             let wgsl = link_shading(source, set, look).map_err(Error::failed)?;
             let shader: Shader = self.gpu.shader("primitive shading", &wgsl)?;
@@ -262,7 +301,12 @@ impl Passes {
                 Source::Pixels => &self.visible_layout,
             };
             self.gpu.render_pipeline(&RenderPipelineOptions {
-                layouts: &[&self.frame_layout, &self.tree_layout, &self.list_layout, visible],
+                layouts: &[
+                    &self.frame_layout,
+                    &self.tree_layout,
+                    &self.list_layout,
+                    visible,
+                ],
                 vertex: "primitive_shading_vertex",
                 fragment: Some("primitive_shading_fragment"),
                 depth: set.depth_test(),
@@ -274,7 +318,10 @@ impl Passes {
 
     /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shader.
     pub(crate) fn group_size(&self) -> u32 {
-        let limits = ["max_compute_invocations_per_workgroup", "max_compute_workgroup_size_x"];
+        let limits = [
+            "max_compute_invocations_per_workgroup",
+            "max_compute_workgroup_size_x",
+        ];
         let fits = |limit| self.gpu.limit(limit) >= Some(WIDE_GROUP.into());
         if self.gpu.is_software() && limits.into_iter().all(fits) {
             WIDE_GROUP
@@ -285,7 +332,12 @@ impl Passes {
 }
 
 /// The visibility kernels' WGSL.
-pub(crate) fn link_compute(kind: Kind, is_disk: bool, kernel: Kernel, is_wide: bool) -> Result<String, WgslError> {
+pub(crate) fn link_compute(
+    kind: Kind,
+    is_disk: bool,
+    kernel: Kernel,
+    is_wide: bool,
+) -> Result<String, WgslError> {
     let mut features = kind.features(is_disk);
     features.extend(match kernel {
         Kernel::Whole => Some("int64"),
@@ -306,7 +358,11 @@ fn link_select(module: Module<'static>, is_wide: bool) -> Result<String, WgslErr
 /// All WGSL of the selection, for tests.
 #[cfg(test)]
 pub(crate) fn linked_selection() -> Result<[String; 3], WgslError> {
-    Ok([link_select(SELECT_LEVEL, false)?, link_select(SELECT_LEVEL, true)?, link_select(SELECT_DRAWS, false)?])
+    Ok([
+        link_select(SELECT_LEVEL, false)?,
+        link_select(SELECT_LEVEL, true)?,
+        link_select(SELECT_DRAWS, false)?,
+    ])
 }
 
 /// The visibility pass's WGSL.
@@ -315,12 +371,21 @@ pub(crate) fn link_raster(kind: Kind, is_disk: bool) -> Result<String, WgslError
 }
 
 /// The shading pass's WGSL.
-pub(crate) fn link_shading(source: Source, set: TargetSet, look: &[&'static str]) -> Result<String, WgslError> {
+pub(crate) fn link_shading(
+    source: Source,
+    set: TargetSet,
+    look: &[&'static str],
+) -> Result<String, WgslError> {
     let slots = set.slots_module();
     let mut features = [&set.features(), look].concat();
     features.extend((source == Source::Pixels).then_some("pixels"));
     let [tree, splat, triangle] = MODULES;
-    let modules = [tree, splat, triangle, Module::new("visibility::slots", &slots)];
+    let modules = [
+        tree,
+        splat,
+        triangle,
+        Module::new("visibility::slots", &slots),
+    ];
     link(SHADING, &modules, &features)
 }
 

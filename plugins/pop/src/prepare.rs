@@ -30,12 +30,18 @@ pub(crate) fn prepare(
     let keeps_files = settings.bool("cache")?;
     let mut parts = Vec::new();
     for object in scene.objects() {
-        let origin = Origin::of(&object);
+        let origin = Origin::of(object);
         let same = previous.and_then(|pop| pop.parts.iter().find(|part| part.origin == origin));
         let part = match same {
             Some(part) if !is_new_device => Arc::clone(part),
-            Some(part) => Arc::new(Part::new(&passes, &object, Arc::clone(&part.tree), part.surface, part.build_time)?),
-            None => match new_part(host, &passes, &object, keeps_files, progress)? {
+            Some(part) => Arc::new(Part::new(
+                &passes,
+                object,
+                Arc::clone(&part.tree),
+                part.surface,
+                part.build_time,
+            )?),
+            None => match new_part(host, &passes, object, keeps_files, progress)? {
                 Some(part) => Arc::new(part),
                 None => continue,
             },
@@ -49,7 +55,7 @@ pub(crate) fn prepare(
 fn new_part(
     host: &Host,
     passes: &Passes,
-    object: &Object<'_>,
+    object: Object<'_>,
     keeps_files: bool,
     progress: &Progress<'_>,
 ) -> Result<Option<Part>> {
@@ -65,7 +71,14 @@ fn new_part(
         make()?
     };
     let build_time = start.elapsed();
-    Part::new(passes, object, Arc::new(tree), Surface::of(&mesh), build_time).map(Some)
+    Part::new(
+        passes,
+        object,
+        Arc::new(tree),
+        Surface::of(&mesh),
+        build_time,
+    )
+    .map(Some)
 }
 
 /// A new tree.

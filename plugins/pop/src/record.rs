@@ -4,8 +4,8 @@ use crate::passes::{Kernels, Kind};
 use crate::uniforms::STRIDE;
 use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
 use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef, Recorder, RenderPass,
-    RenderPipeline,
+    AsHandle as _, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef,
+    Recorder, RenderPass, RenderPipeline,
 };
 use pointstage_visibility::{PixelRectangle, TargetSet, Targets};
 
@@ -14,7 +14,11 @@ use pointstage_visibility::{PixelRectangle, TargetSet, Targets};
 pub(crate) enum Count<'a> {
     Known(u32),
     /// Arguments of the dispatch and of the draw, at these places; bytes.
-    OnDevice { arguments: &'a Buffer, dispatch: u64, draw: u64 },
+    OnDevice {
+        arguments: &'a Buffer,
+        dispatch: u64,
+        draw: u64,
+    },
 }
 
 /// Primitives of one kind, of one tree.
@@ -25,7 +29,7 @@ pub(crate) struct Draw<'a> {
     /// Which uniform of group 2.
     pub(crate) uniform: u32,
     /// Of the object's draw, for group 0.
-    pub(crate) draw_offset: u32,
+    pub(crate) frame_offset: u32,
     /// Group 1.
     pub(crate) tree: &'a BindGroup,
     /// Group 2.
@@ -47,7 +51,7 @@ pub(crate) struct Pixels<'a> {
 /// Groups 0 to 2 of a pass.
 macro_rules! bind {
     ($pass:expr, $frame:expr, $draw:expr) => {
-        $pass.set_bind_group(0, &$frame, &[$draw.draw_offset]);
+        $pass.set_bind_group(0, &$frame, &[$draw.frame_offset]);
         $pass.set_bind_group(1, $draw.tree, &[]);
         $pass.set_bind_group(2, $draw.list, &[$draw.uniform * STRIDE]);
     };
@@ -78,7 +82,11 @@ pub(crate) fn record_kernels(
     bind(&mut pass);
     match draw.count {
         Count::Known(count) => pass.dispatch_linear(count, group_size),
-        Count::OnDevice { arguments, dispatch, .. } => pass.dispatch_indirect(arguments, dispatch),
+        Count::OnDevice {
+            arguments,
+            dispatch,
+            ..
+        } => pass.dispatch_indirect(arguments, dispatch),
     }
     drop(pass);
     let Some(large) = &kernels.large else { return };
@@ -97,13 +105,20 @@ pub(crate) fn record_kernels(
 }
 
 /// One draw of the raster path's pass.
-pub(crate) fn record_raster(pass: &mut RenderPass<'_>, frame: GroupRef, draw: &Draw<'_>, pipeline: &RenderPipeline) {
+pub(crate) fn record_raster(
+    pass: &mut RenderPass<'_>,
+    frame: GroupRef,
+    draw: &Draw<'_>,
+    pipeline: &RenderPipeline,
+) {
     let vertices = if draw.kind.is_triangles() { 3 } else { 6 };
     pass.set_pipeline(pipeline);
     bind!(pass, frame, draw);
     match draw.count {
         Count::Known(count) => pass.draw(0..count.saturating_mul(vertices), 0..1),
-        Count::OnDevice { arguments, draw, .. } => pass.draw_indirect(arguments, draw),
+        Count::OnDevice {
+            arguments, draw, ..
+        } => pass.draw_indirect(arguments, draw),
     }
 }
 
@@ -127,10 +142,10 @@ pub(crate) fn record_shading(
     pass.set_bind_group(3, visible, &[]);
     let mut last = None;
     for draw in draws {
-        if last == Some(draw.draw_offset) || draw.pixels.size.contains(&0) {
+        if last == Some(draw.frame_offset) || draw.pixels.size.contains(&0) {
             continue;
         }
-        last = Some(draw.draw_offset);
+        last = Some(draw.frame_offset);
         bind!(pass, frame, draw);
         pass.set_scissor(draw.pixels.origin, draw.pixels.size);
         pass.draw(0..3, 0..1);

@@ -9,8 +9,17 @@ use core::mem::offset_of;
 use pointstage_visibility::{Source, TargetSet};
 use shader_checks::{assert_manifest, assert_variants, validated};
 
-const KINDS: [Kind; 4] = [Kind::Splats, Kind::Triangles, Kind::AllTriangles, Kind::Points];
-const KERNELS: [Kernel; 3] = [Kernel::Whole, Kernel::NearestDepth, Kernel::GreatestPrimitive];
+const KINDS: [Kind; 4] = [
+    Kind::Splats,
+    Kind::Triangles,
+    Kind::AllTriangles,
+    Kind::Points,
+];
+const KERNELS: [Kernel; 3] = [
+    Kernel::Whole,
+    Kernel::NearestDepth,
+    Kernel::GreatestPrimitive,
+];
 const LOOKS: [&[&str]; 5] = [
     &["nodes", "triangles"],
     &["triangles", "gouraud"],
@@ -46,7 +55,12 @@ fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
             variants.push((format!("raster {kind:?} {is_disk}"), wgsl));
         }
     }
-    assert_variants(variants, "pop_tree_TreeUniform", &fields, size_of::<TreeUniform>() as u64);
+    assert_variants(
+        variants,
+        "pop_tree_TreeUniform",
+        &fields,
+        size_of::<TreeUniform>() as u64,
+    );
 }
 
 #[test]

@@ -73,7 +73,9 @@ fn file_name(fingerprint: &[u8; 32]) -> String {
 
 /// Removes the files that were written longest ago until the folder's are below the limit; never `kept`.
 fn forget_oldest(folder: &Path, kept: &Path, most_bytes: u64) {
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return;
+    };
     let mut files: Vec<(SystemTime, u64, PathBuf)> = entries
         .flatten()
         .map(|entry| entry.path())

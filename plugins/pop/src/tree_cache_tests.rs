@@ -19,7 +19,12 @@ fn the_oldest_files_go_until_the_rest_fits() {
         let path = folder.path().join(name);
         std::fs::write(&path, [0; 100]).unwrap();
         let time = SystemTime::now() - std::time::Duration::from_secs(age);
-        std::fs::File::options().write(true).open(&path).unwrap().set_modified(time).unwrap();
+        std::fs::File::options()
+            .write(true)
+            .open(&path)
+            .unwrap()
+            .set_modified(time)
+            .unwrap();
         path
     };
     let oldest = write("a.pop", 30);

@@ -10,9 +10,12 @@ use crate::uniforms::{STRIDE, TreeUniform};
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::glam::{Mat4, Vec3};
 use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, ColourAttachment, DepthAttachment, GroupRef, Recorder, Texture, TextureOptions,
+    AsHandle as _, BindGroup, Buffer, ColourAttachment, DepthAttachment, GroupRef, Recorder,
+    Texture, TextureOptions,
 };
-use pointstage_plugin_api::{DrawFlags, Error, Frame, FrameUniform, Host, Outcome, Result, statistics};
+use pointstage_plugin_api::{
+    DrawFlags, Error, Frame, FrameUniform, Host, Outcome, Result, statistics,
+};
 use pointstage_pop_tree::cut::{CoherentCut, Cut, Projection, Root, View as CutView, full};
 use pointstage_visibility::{DrawList, Path, PixelRectangle, Source, Targets};
 use std::sync::Arc;
@@ -97,7 +100,10 @@ struct Took {
 impl PopView {
     /// # Errors
     /// None so far.
-    #[expect(clippy::unnecessary_wraps, reason = "the renderer's trait has a result")]
+    #[expect(
+        clippy::unnecessary_wraps,
+        reason = "the renderer's trait has a result"
+    )]
     pub(crate) fn new(host: &Host, prepared: &Pop) -> Result<Self> {
         let mut cuts = Vec::new();
         cuts.resize_with(prepared.parts.len(), PartCut::default);
@@ -135,10 +141,12 @@ impl PopView {
         let blocks = DrawList::of(frame, Some(2.0 * wanted.threshold_px + 1.0)).blocks;
         let (mut planned, mut uniforms) = (Vec::new(), Vec::new());
         let mut base = 0_u32;
-        self.cuts.resize_with(prepared.parts.len(), PartCut::default);
+        self.cuts
+            .resize_with(prepared.parts.len(), PartCut::default);
         for (number, part) in prepared.parts.iter().enumerate() {
             let of_part = |draw: &pointstage_plugin_api::Draw<'_>| {
-                draw.object().is_some_and(|object| part.origin.is_of(&object))
+                draw.object()
+                    .is_some_and(|object| part.origin.is_of(object))
             };
             let Some(draw) = frame.selection().find(of_part) else {
                 continue;
@@ -146,22 +154,39 @@ impl PopView {
             let pixels = blocks
                 .iter()
                 .find(|block| block.id_base == draw.uniform().id_base)
-                .map_or(PixelRectangle { origin: [0, 0], size: frame.size_px() }, |block| block.pixels);
+                .map_or(
+                    PixelRectangle {
+                        origin: [0, 0],
+                        size: frame.size_px(),
+                    },
+                    |block| block.pixels,
+                );
             let mut uniform = TreeUniform::of(part, base);
             uniform.point_px = wanted.threshold_px;
-            let primitives = [part.tree.nodes.len() as u64, u64::from(part.triangle_count), u64::from(part.vertex_count)];
+            let primitives = [
+                part.tree.nodes.len() as u64,
+                u64::from(part.triangle_count),
+                u64::from(part.vertex_count),
+            ];
             let next = u64::from(base) + primitives.iter().sum::<u64>();
             base = u32::try_from(next).map_err(|_| {
                 Error::failed("the meshes have more nodes, triangles and vertices than 32 bits count: hide some of them")
             })?;
             let two_sided = draw.flags().contains(DrawFlags::TWO_SIDED);
-            let projection = projection_of(frame.uniform(), &draw.uniform().view_from_object, wanted);
+            let projection =
+                projection_of(frame.uniform(), &draw.uniform().view_from_object, wanted);
             let view = culling_view(&projection, part, wanted.culling, two_sided);
             uniform.stretch = view.stretch();
             let mut add = |kind, count: Option<u32>, uniform| {
                 if count != Some(0) {
                     let draw_offset = draw.uniform_offset();
-                    planned.push(Planned { kind, count, part: number, draw_offset, pixels });
+                    planned.push(Planned {
+                        kind,
+                        count,
+                        part: number,
+                        draw_offset,
+                        pixels,
+                    });
                     uniforms.push(uniform);
                 }
             };
@@ -179,18 +204,51 @@ impl PopView {
                     if cut.starts_on_device(&prepared.passes, part, &view, wanted.walk)? {
                         let triangles_first = cut.look(took)?;
                         let list_first = LIST_HEAD;
-                        add(Kind::Splats, None, TreeUniform { count_at: 0, list_first, ..uniform });
+                        add(
+                            Kind::Splats,
+                            None,
+                            TreeUniform {
+                                count_at: 0,
+                                list_first,
+                                ..uniform
+                            },
+                        );
                         let (list_first, list_step) = (triangles_first, u32::MAX);
-                        add(Kind::Triangles, None, TreeUniform { count_at: 1, list_first, list_step, ..uniform });
+                        add(
+                            Kind::Triangles,
+                            None,
+                            TreeUniform {
+                                count_at: 1,
+                                list_first,
+                                list_step,
+                                ..uniform
+                            },
+                        );
                         continue;
                     }
                     let threads = frame.thread_count();
                     let cut = cut.update(part, &view, wanted.is_coherent, threads, took);
                     let (splats, triangles) = (cut.splats.len() as u32, cut.triangles.len() as u32);
                     let list_first = LIST_HEAD;
-                    add(Kind::Splats, Some(splats), TreeUniform { count_at: 0, list_first, ..uniform });
+                    add(
+                        Kind::Splats,
+                        Some(splats),
+                        TreeUniform {
+                            count_at: 0,
+                            list_first,
+                            ..uniform
+                        },
+                    );
                     let list_first = LIST_HEAD + splats;
-                    add(Kind::Triangles, Some(triangles), TreeUniform { count_at: 1, list_first, ..uniform });
+                    add(
+                        Kind::Triangles,
+                        Some(triangles),
+                        TreeUniform {
+                            count_at: 1,
+                            list_first,
+                            ..uniform
+                        },
+                    );
                 }
             }
         }
@@ -242,7 +300,7 @@ impl PopView {
                     kind: draw.kind,
                     count,
                     uniform,
-                    draw_offset: draw.draw_offset,
+                    frame_offset: draw.draw_offset,
                     tree: &prepared.parts[draw.part].group,
                     list: &cut.list.as_ref().ok_or_else(missing)?.group,
                     pixels: draw.pixels,
@@ -250,20 +308,47 @@ impl PopView {
             })
             .collect::<Result<Vec<_>>>()?;
         let shading = match visible {
-            Visible::Buffers { pixels, large, arguments, group: pixel_group, shading, .. } => {
+            Visible::Buffers {
+                pixels,
+                large,
+                arguments,
+                group: pixel_group,
+                shading,
+                ..
+            } => {
                 recorder.clear_buffer(pixels);
-                let bound = Pixels { group: pixel_group, large, arguments };
+                let bound = Pixels {
+                    group: pixel_group,
+                    large,
+                    arguments,
+                };
                 for &kernel in passes.kernel_order() {
                     for draw in &draws {
                         let kernels = passes.compute(draw.kind, wanted.is_disk, kernel)?;
-                        record_kernels(&mut recorder, group, draw, &kernels, passes.group_size(), &bound);
+                        record_kernels(
+                            &mut recorder,
+                            group,
+                            draw,
+                            &kernels,
+                            passes.group_size(),
+                            &bound,
+                        );
                     }
                 }
                 shading
             }
-            Visible::Textures { primitives, depth, shading, .. } => {
+            Visible::Textures {
+                primitives,
+                depth,
+                shading,
+                ..
+            } => {
                 let colours = [Some(ColourAttachment::clear(primitives, [0.0; 4]))];
-                let mut pass = recorder.render_pass("primitives", &colours, Some(DepthAttachment::clear(depth)));
+                let mut pass = recorder.render_pass(
+                    "primitives",
+                    &colours,
+                    Some(DepthAttachment::clear(depth)),
+                );
                 for draw in &draws {
                     let pipeline = passes.raster(draw.kind, wanted.is_disk)?;
                     record_raster(&mut pass, group, draw, &pipeline);
@@ -281,16 +366,29 @@ impl PopView {
         look.extend(wanted.is_gouraud.then_some("gouraud"));
         look.extend(wanted.has_pop_colours.then_some("pop_colours"));
         let pipeline = passes.shading(source, set, &look)?;
-        record_shading(&mut recorder, group, &draws, shading, (targets, set), &pipeline);
+        record_shading(
+            &mut recorder,
+            group,
+            &draws,
+            shading,
+            (targets, set),
+            &pipeline,
+        );
         frame.submit(recorder);
-        frame.report(statistics::PATH, f64::from(u8::from(source == Source::Pixels)));
+        frame.report(
+            statistics::PATH,
+            f64::from(u8::from(source == Source::Pixels)),
+        );
         Ok(())
     }
 
     /// Writes the uniforms of the draws; the buffer with them.
     fn write_uniforms(&mut self, passes: &Passes, uniforms: &[TreeUniform]) -> Result<Buffer> {
         let mut words = vec![0_u32; uniforms.len() * STRIDE as usize / 4];
-        for (uniform, place) in uniforms.iter().zip(words.chunks_exact_mut(STRIDE as usize / 4)) {
+        for (uniform, place) in uniforms
+            .iter()
+            .zip(words.chunks_exact_mut(STRIDE as usize / 4))
+        {
             let bytes: &[u32] = bytemuck::cast_slice(core::slice::from_ref(uniform));
             place[..bytes.len()].copy_from_slice(bytes);
         }
@@ -299,7 +397,11 @@ impl PopView {
             Some((capacity, buffer)) if *capacity >= bytes => buffer.clone(),
             _ => {
                 let capacity = bytes.next_power_of_two();
-                let buffer = passes.gpu.buffer("trees", capacity, BufferUsage::UNIFORM | BufferUsage::COPY_DST)?;
+                let buffer = passes.gpu.buffer(
+                    "trees",
+                    capacity,
+                    BufferUsage::UNIFORM | BufferUsage::COPY_DST,
+                )?;
                 self.uniforms = Some((capacity, buffer.clone()));
                 buffer
             }
@@ -312,7 +414,9 @@ impl PopView {
     fn ready_visible(&mut self, passes: &Passes, size_px: [u32; 2], path: Path) -> Result<Source> {
         let gpu = &passes.gpu;
         let bytes = PIXEL_BYTES * u64::from(size_px[0]) * u64::from(size_px[1]);
-        let limit = gpu.limit("max_storage_buffer_binding_size").unwrap_or(128 << 20);
+        let limit = gpu
+            .limit("max_storage_buffer_binding_size")
+            .unwrap_or(128 << 20);
         let wanted = match path {
             Path::Raster => false,
             Path::Compute => true,
@@ -339,7 +443,11 @@ impl PopView {
                 Visible::textures(passes, size_px)?
             });
         }
-        Ok(if by_compute { Source::Pixels } else { Source::Ids })
+        Ok(if by_compute {
+            Source::Pixels
+        } else {
+            Source::Ids
+        })
     }
 }
 
@@ -348,12 +456,27 @@ impl Visible {
         let gpu = &passes.gpu;
         let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
         let pixels = gpu.buffer("visible pixels", bytes, storage)?;
-        let large = gpu.buffer("large triangles", 4 * (3 + LARGE_COUNT), storage | BufferUsage::COPY_SRC)?;
+        let large = gpu.buffer(
+            "large triangles",
+            4 * (3 + LARGE_COUNT),
+            storage | BufferUsage::COPY_SRC,
+        )?;
         // Workgroups in x come from the count, one in y and z.
         let arguments = gpu.buffer_with("large dispatch", BufferUsage::INDIRECT, &[0_u32, 1, 1])?;
-        let group = gpu.bind_group("visible pixels", &passes.pixels_layout, &[(0, &pixels), (1, &large)])?;
+        let group = gpu.bind_group(
+            "visible pixels",
+            &passes.pixels_layout,
+            &[(0, &pixels), (1, &large)],
+        )?;
         let shading = gpu.bind_group("visible pixels", &passes.visible_layout, &[(0, &pixels)])?;
-        Ok(Self::Buffers { size_px, pixels, large, arguments, group, shading })
+        Ok(Self::Buffers {
+            size_px,
+            pixels,
+            large,
+            arguments,
+            group,
+            shading,
+        })
     }
 
     fn textures(passes: &Passes, size_px: [u32; 2]) -> Result<Self> {
@@ -370,15 +493,25 @@ impl Visible {
         };
         let primitives = texture("visible primitives", Format::R32_UINT)?;
         let depth = texture("depth", Format::DEPTH32_FLOAT)?;
-        let entries = [(0, primitives.as_handle()), (1, depth.as_handle())].map(|(binding, resource)| {
-            abi::BindingRecord { binding, resource, ..Default::default() }
-        });
+        let entries =
+            [(0, primitives.as_handle()), (1, depth.as_handle())].map(|(binding, resource)| {
+                abi::BindingRecord {
+                    binding,
+                    resource,
+                    ..Default::default()
+                }
+            });
         let shading = gpu.bind_group_from(&abi::BindGroupDescriptor {
             label: "visible primitives".into(),
             layout: passes.textures_layout.handle(),
             entries: entries.as_slice().into(),
         })?;
-        Ok(Self::Textures { size_px, primitives, depth, shading })
+        Ok(Self::Textures {
+            size_px,
+            primitives,
+            depth,
+            shading,
+        })
     }
 }
 
@@ -392,14 +525,18 @@ impl PartCut {
         thread_count: usize,
         took: &mut Took,
     ) -> &Cut {
-        let is_same = self.part.as_ref().is_some_and(|last| Arc::ptr_eq(last, part));
+        let is_same = self
+            .part
+            .as_ref()
+            .is_some_and(|last| Arc::ptr_eq(last, part));
         if !is_same {
             self.part = Some(Arc::clone(part));
             self.coherent.forget();
         }
         let start = Instant::now();
         if is_coherent {
-            self.coherent.update(&part.tree, view, thread_count, &mut self.cut);
+            self.coherent
+                .update(&part.tree, view, thread_count, &mut self.cut);
         } else {
             self.coherent.forget();
             full(&part.tree, view, &mut self.cut);
@@ -413,19 +550,31 @@ impl PartCut {
     }
 
     /// Whether the device makes this frame's cut; then its buffers are ready.
-    fn starts_on_device(&mut self, passes: &Passes, part: &Arc<Part>, view: &CutView, walk: Walk) -> Result<bool> {
+    fn starts_on_device(
+        &mut self,
+        passes: &Passes,
+        part: &Arc<Part>,
+        view: &CutView,
+        walk: Walk,
+    ) -> Result<bool> {
         self.on_device = None;
         let wanted = match walk {
             Walk::Auto => !passes.gpu.is_software(),
             Walk::Cpu => false,
             Walk::Device => true,
         };
-        let Root::Open(open) = view.root(&part.tree) else { return Ok(false) };
+        let Root::Open(open) = view.root(&part.tree) else {
+            return Ok(false);
+        };
         if !wanted || !DeviceCut::fits(part) {
             self.device = None;
             return Ok(false);
         }
-        if !self.device.as_ref().is_some_and(|device| device.is_of(part)) {
+        if !self
+            .device
+            .as_ref()
+            .is_some_and(|device| device.is_of(part))
+        {
             self.device = Some(DeviceCut::new(passes, part)?);
             self.list = None;
         }
@@ -435,7 +584,9 @@ impl PartCut {
 
     /// Adds what the device counted last; where the list's triangles are.
     fn look(&mut self, took: &mut Took) -> Result<u32> {
-        let Some(device) = &mut self.device else { return Ok(0) };
+        let Some(device) = &mut self.device else {
+            return Ok(0);
+        };
         device.look()?;
         if let Some(tally) = device.last {
             took.splats += u64::from(tally.splats);
@@ -447,9 +598,16 @@ impl PartCut {
     }
 
     /// Records the device's selection.
-    fn record_selection(&mut self, passes: &Passes, recorder: &mut Recorder, place: (GroupRef, u32, u32)) -> Result<()> {
+    fn record_selection(
+        &mut self,
+        passes: &Passes,
+        recorder: &mut Recorder,
+        place: (GroupRef, u32, u32),
+    ) -> Result<()> {
         match (&mut self.device, &self.on_device) {
-            (Some(device), Some((view, open))) => device.record(passes, recorder, view, *open, place),
+            (Some(device), Some((view, open))) => {
+                device.record(passes, recorder, view, *open, place)
+            }
             _ => Ok(()),
         }
     }
@@ -459,7 +617,12 @@ impl PartCut {
         match (&mut self.device, &self.on_device) {
             (Some(device), Some(_)) => {
                 let group = device.ready_uniforms(passes, uniforms)?;
-                self.list = Some(List { bytes: 0, buffer: None, uniforms: uniforms.as_handle(), group });
+                self.list = Some(List {
+                    bytes: 0,
+                    buffer: None,
+                    uniforms: uniforms.as_handle(),
+                    group,
+                });
                 Ok(())
             }
             _ => self.write_list(passes, uniforms),
@@ -469,13 +632,19 @@ impl PartCut {
     /// Writes the cut's list to the device.
     fn write_list(&mut self, passes: &Passes, uniforms: &Buffer) -> Result<()> {
         let gpu = &passes.gpu;
-        let Cut { splats, triangles, .. } = &self.cut;
+        let Cut {
+            splats, triangles, ..
+        } = &self.cut;
         let bytes = 4 * (u64::from(LIST_HEAD) + self.cut.len() as u64);
         let uniform_handle = uniforms.as_handle();
         let fits = |list: &List| list.bytes >= bytes && list.uniforms == uniform_handle;
         if !self.list.as_ref().is_some_and(fits) {
             let capacity = bytes.next_power_of_two();
-            let buffer = gpu.buffer("list", capacity, BufferUsage::STORAGE | BufferUsage::COPY_DST)?;
+            let buffer = gpu.buffer(
+                "list",
+                capacity,
+                BufferUsage::STORAGE | BufferUsage::COPY_DST,
+            )?;
             let entries = [
                 abi::BindingRecord {
                     binding: 0,
@@ -494,9 +663,20 @@ impl PartCut {
                 layout: passes.list_layout.handle(),
                 entries: entries.as_slice().into(),
             })?;
-            self.list = Some(List { bytes: capacity, buffer: Some(buffer), uniforms: uniform_handle, group });
+            self.list = Some(List {
+                bytes: capacity,
+                buffer: Some(buffer),
+                uniforms: uniform_handle,
+                group,
+            });
         }
-        let Some(List { buffer: Some(buffer), .. }) = &self.list else { return Ok(()) };
+        let Some(List {
+            buffer: Some(buffer),
+            ..
+        }) = &self.list
+        else {
+            return Ok(());
+        };
         gpu.write(buffer, 0, &[splats.len() as u32, triangles.len() as u32])?;
         let mut at = 4 * u64::from(LIST_HEAD);
         for entries in [splats, triangles] {
@@ -510,7 +690,11 @@ impl PartCut {
 }
 
 /// The camera, as a cut needs it.
-fn projection_of(uniform: &FrameUniform, view_from_object: &[[f32; 4]; 4], wanted: &Wanted) -> Projection {
+fn projection_of(
+    uniform: &FrameUniform,
+    view_from_object: &[[f32; 4]; 4],
+    wanted: &Wanted,
+) -> Projection {
     Projection {
         view_from_object: Mat4::from_cols_array_2d(view_from_object),
         clip_from_view: Mat4::from_cols_array_2d(&uniform.clip_from_view),
@@ -524,7 +708,12 @@ fn projection_of(uniform: &FrameUniform, view_from_object: &[[f32; 4]; 4], wante
 }
 
 /// The view of a part's tree, with or without culling.
-fn culling_view(projection: &Projection, part: &Part, culling: Culling, two_sided: bool) -> CutView {
+fn culling_view(
+    projection: &Projection,
+    part: &Part,
+    culling: Culling,
+    two_sided: bool,
+) -> CutView {
     let view = CutView::new(projection, &part.tree.grid);
     let culls = match culling {
         Culling::On => true,
@@ -544,10 +733,15 @@ fn culling_view(projection: &Projection, part: &Part, culling: Culling, two_side
 
 /// Whether the eye, and with it the near plane, is well outside the tree's root.
 fn is_outside(view: &CutView, part: &Part) -> bool {
-    let Some(root) = part.tree.nodes.first() else { return false };
+    let Some(root) = part.tree.nodes.first() else {
+        return false;
+    };
     let projection = view.projection();
-    let centre = projection.view_from_object.transform_point3(part.tree.grid.position(root.place()));
-    let clip = projection.clip_from_view * (centre + Vec3::Z * root.radius() * view.stretch()).extend(1.0);
+    let centre = projection
+        .view_from_object
+        .transform_point3(part.tree.grid.position(root.place()));
+    let clip =
+        projection.clip_from_view * (centre + Vec3::Z * root.radius() * view.stretch()).extend(1.0);
     // Reversed depth: before the near plane z exceeds w.
     clip.z < clip.w && (projection.is_orthographic || clip.w > 0.0)
 }
@@ -555,7 +749,11 @@ fn is_outside(view: &CutView, part: &Part) -> bool {
 /// Reports what a frame took.
 fn report(frame: &mut Frame<'_>, prepared: &Pop, took: &Took) {
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
-    let nodes: usize = prepared.parts.iter().map(|part| part.tree.nodes.len()).sum();
+    let nodes: usize = prepared
+        .parts
+        .iter()
+        .map(|part| part.tree.nodes.len())
+        .sum();
     let build: Duration = prepared.parts.iter().map(|part| part.build_time).sum();
     frame.report(statistics::SPLATS_DRAWN, took.splats as f64);
     frame.report(statistics::TRIANGLES_DRAWN, took.triangles as f64);
@@ -564,7 +762,11 @@ fn report(frame: &mut Frame<'_>, prepared: &Pop, took: &Took) {
     frame.report("nodes_culled", took.culled as f64);
     frame.report("selection_ms", milliseconds(took.selection));
     frame.report("tree_nodes", nodes as f64);
-    let levels = prepared.parts.iter().map(|part| part.tree.level_starts.len()).max();
+    let levels = prepared
+        .parts
+        .iter()
+        .map(|part| part.tree.level_starts.len())
+        .max();
     frame.report("tree_levels", levels.unwrap_or_default() as f64);
     frame.report("tree_ms", milliseconds(build));
 }

@@ -9,8 +9,8 @@
 //! The scheme of the seed marks the nodes of the last cut and walks up or down from each, and so asks every node of the cut;
 //! this one asks few of them, and what it gives is the full walk's answer by construction.
 
-use super::view::{Answers, Open, Projection, Slack, Verdict, View};
 use super::Cut;
+use super::view::{Answers, Open, Projection, Slack, Verdict, View};
 use crate::node::Node;
 use crate::tree::Tree;
 use core::ops::Range;
@@ -124,10 +124,17 @@ impl CoherentCut {
         }
         let chunk_level = tree.level_starts.len().saturating_sub(CHUNK_LEVELS);
         let first = tree.level_starts[chunk_level];
-        let end = tree.level_starts.get(chunk_level + 1).copied().unwrap_or(tree.nodes.len() as u32);
+        let end = tree
+            .level_starts
+            .get(chunk_level + 1)
+            .copied()
+            .unwrap_or(tree.nodes.len() as u32);
         let extent = 2.0 * tree.nodes[0].radius();
         self.travel(tree, view, extent, (end - first) as usize);
-        let far = extent + view.eye_object().distance(tree.grid.position(tree.nodes[0].place()));
+        let far = extent
+            + view
+                .eye_object()
+                .distance(tree.grid.position(tree.nodes[0].place()));
         let longest = far + LONGEST_WAY as f32 * extent;
         let now = Now {
             tree,
@@ -136,7 +143,12 @@ impl CoherentCut {
             way_eye: self.way_eye,
             rounding_view: ROUNDING * longest * view.stretch(),
             // A direction has length 1.
-            rounding_eye: ROUNDING * if view.projection().is_orthographic { LONGEST_WAY as f32 } else { longest },
+            rounding_eye: ROUNDING
+                * if view.projection().is_orthographic {
+                    LONGEST_WAY as f32
+                } else {
+                    longest
+                },
         };
         self.met.clear();
         self.descend(&now, 0..1, view.all_open(), first..end, cut);
@@ -161,25 +173,47 @@ impl CoherentCut {
         let eye_object = view.eye_object();
         let carries = self.last.as_ref().is_some_and(|last| {
             let matrix = last.projection.view_from_object;
-            Projection { view_from_object: matrix, ..projection } == last.projection
+            Projection {
+                view_from_object: matrix,
+                ..projection
+            } == last.projection
         });
         if let Some(last) = self.last.as_ref().filter(|_| carries) {
-            self.way_view += greatest_motion(tree, &last.projection.view_from_object, &projection.view_from_object);
+            self.way_view += greatest_motion(
+                tree,
+                &last.projection.view_from_object,
+                &projection.view_from_object,
+            );
             self.way_eye += f64::from(eye_object.distance(last.eye_object));
         }
         let limit_view = LONGEST_WAY * f64::from(extent * view.stretch());
-        let limit_eye = LONGEST_WAY * if projection.is_orthographic { 1.0 } else { f64::from(extent) };
+        let limit_eye = LONGEST_WAY
+            * if projection.is_orthographic {
+                1.0
+            } else {
+                f64::from(extent)
+            };
         let is_near = self.way_view <= limit_view && self.way_eye <= limit_eye;
         if !carries || self.chunks.len() != chunk_count || !is_near {
             self.chunks.clear();
             self.chunks.resize_with(chunk_count, Chunk::default);
             (self.way_view, self.way_eye) = (0.0, 0.0);
         }
-        self.last = Some(Last { projection, eye_object });
+        self.last = Some(Last {
+            projection,
+            eye_object,
+        });
     }
 
     /// Asks the nodes above the subtrees and the subtrees' roots.
-    fn descend(&mut self, now: &Now<'_>, siblings: Range<u32>, open: Open, roots: Range<u32>, cut: &mut Cut) {
+    fn descend(
+        &mut self,
+        now: &Now<'_>,
+        siblings: Range<u32>,
+        open: Open,
+        roots: Range<u32>,
+        cut: &mut Cut,
+    ) {
         let nodes = now.nodes(&siblings);
         cut.counts.evaluated += nodes.len() as u64;
         let answers = now.view.judge::<false>(nodes, open);
@@ -188,11 +222,15 @@ impl CoherentCut {
                 (Verdict::Culled, _) => cut.counts.culled += 1,
                 (Verdict::Small, _) => self.met.push(Met::Splat(number)),
                 // Only a tree of one node has a leaf here.
-                (Verdict::Large, _) if number >= now.tree.first_leaf() => cut.triangles.push(node.link()),
+                (Verdict::Large, _) if number >= now.tree.first_leaf() => {
+                    cut.triangles.push(node.link());
+                }
                 (Verdict::Large, open) if roots.contains(&number) => {
                     self.met.push(Met::Chunk(number - roots.start, open));
                 }
-                (Verdict::Large, open) => self.descend(now, node.children(), open, roots.clone(), cut),
+                (Verdict::Large, open) => {
+                    self.descend(now, node.children(), open, roots.clone(), cut);
+                }
             }
         }
     }
@@ -202,9 +240,13 @@ impl CoherentCut {
         let mut chunks = self.chunks.iter_mut().enumerate();
         let mut stale = Vec::new();
         for met in &self.met {
-            let Met::Chunk(number, open) = *met else { continue };
+            let Met::Chunk(number, open) = *met else {
+                continue;
+            };
             // Subtrees are met by rising numbers.
-            let Some((_, chunk)) = chunks.find(|(other, _)| *other == number as usize) else { continue };
+            let Some((_, chunk)) = chunks.find(|(other, _)| *other == number as usize) else {
+                continue;
+            };
             chunk.evaluated = 0;
             if chunk.open != Some(open) || !now.holds(chunk.least) {
                 stale.push((first + number, open, chunk));
@@ -216,14 +258,20 @@ impl CoherentCut {
             let mut spare = Chunk::default();
             loop {
                 let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-                let Some((root, open, chunk)) = job else { return };
+                let Some((root, open, chunk)) = job else {
+                    return;
+                };
                 chunk.update(now, root, open, &mut spare);
             }
         };
         thread::scope(|scope| {
             for _ in 1..if is_worth_it { thread_count } else { 1 } {
                 // A thread that is not to be had is not needed.
-                if thread::Builder::new().name("pop".into()).spawn_scoped(scope, &work).is_err() {
+                if thread::Builder::new()
+                    .name("pop".into())
+                    .spawn_scoped(scope, work)
+                    .is_err()
+                {
                     break;
                 }
             }
@@ -257,7 +305,13 @@ impl Chunk {
     }
 
     /// Walks siblings and what is below them; their least readings.
-    fn walk(&mut self, now: &Now<'_>, before: Before<'_>, siblings: Range<u32>, open: Open) -> Slack {
+    fn walk(
+        &mut self,
+        now: &Now<'_>,
+        before: Before<'_>,
+        siblings: Range<u32>,
+        open: Open,
+    ) -> Slack {
         let nodes = now.nodes(&siblings);
         let old = before.chunk;
         let mut answers: Option<Answers> = None;
@@ -274,14 +328,15 @@ impl Chunk {
                 had = Some(entry.end);
                 continue;
             }
-            let (verdict, left_open, own) = match stands.filter(|entry| now.holds(entry.own)) {
-                Some(entry) => (entry.verdict, entry.open, entry.own),
-                None => {
-                    self.evaluated += 1;
-                    let answers = answers.get_or_insert_with(|| now.view.judge::<true>(nodes, open));
-                    let (verdict, left_open) = answers.of(place);
-                    (verdict, left_open, now.until(answers.slack(place)))
-                }
+            let (verdict, left_open, own) = if let Some(entry) =
+                stands.filter(|entry| now.holds(entry.own))
+            {
+                (entry.verdict, entry.open, entry.own)
+            } else {
+                self.evaluated += 1;
+                let answers = answers.get_or_insert_with(|| now.view.judge::<true>(nodes, open));
+                let (verdict, left_open) = answers.of(place);
+                (verdict, left_open, now.until(answers.slack(place)))
             };
             let at = self.entries.len();
             self.entries.push(Entry {
@@ -296,7 +351,9 @@ impl Chunk {
             match verdict {
                 Verdict::Culled => self.culled += 1,
                 Verdict::Small => self.splats.push(number),
-                Verdict::Large if number >= now.tree.first_leaf() => self.triangles.push(node.link()),
+                Verdict::Large if number >= now.tree.first_leaf() => {
+                    self.triangles.push(node.link());
+                }
                 Verdict::Large => {
                     // The old walk has the children if it opened the node; void if it left something else open for them.
                     let opened = known.filter(|entry| entry.verdict == Verdict::Large);
@@ -333,9 +390,14 @@ impl Chunk {
             triangles: entry.triangles - first.triangles + triangle_at,
             ..*entry
         }));
-        self.culled += part.iter().filter(|entry| entry.verdict == Verdict::Culled).count() as u64;
-        self.splats.extend_from_slice(&old.splats[first.splats as usize..splats]);
-        self.triangles.extend_from_slice(&old.triangles[first.triangles as usize..triangles]);
+        self.culled += part
+            .iter()
+            .filter(|entry| entry.verdict == Verdict::Culled)
+            .count() as u64;
+        self.splats
+            .extend_from_slice(&old.splats[first.splats as usize..splats]);
+        self.triangles
+            .extend_from_slice(&old.triangles[first.triangles as usize..triangles]);
     }
 }
 
@@ -365,9 +427,16 @@ fn greatest_motion(tree: &Tree, old: &Mat4, new: &Mat4) -> f64 {
     let [old, new] = [old.as_dmat4(), new.as_dmat4()];
     (0..8)
         .map(|corner| {
-            let sign = |axis: u32| if corner >> axis & 1 == 0 { -radius } else { radius };
+            let sign = |axis: u32| {
+                if corner >> axis & 1 == 0 {
+                    -radius
+                } else {
+                    radius
+                }
+            };
             let corner = centre + DVec3::new(sign(0), sign(1), sign(2));
-            old.transform_point3(corner).distance(new.transform_point3(corner))
+            old.transform_point3(corner)
+                .distance(new.transform_point3(corner))
         })
         .fold(0.0, f64::max)
 }

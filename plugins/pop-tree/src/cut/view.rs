@@ -32,6 +32,7 @@ pub struct Projection {
 
 /// One view of a tree.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_field_names, reason = "names say their space")]
 pub struct View {
     projection: Projection,
     origin_view: Vec3,
@@ -143,7 +144,7 @@ pub(crate) struct Answers {
 
 impl Answers {
     /// What becomes of a sibling, and what is left open for its children.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn of(&self, sibling: usize) -> (Verdict, Open) {
         let bit = 1 << sibling;
         let verdict = if self.culled & bit != 0 {
@@ -161,7 +162,7 @@ impl Answers {
     }
 
     /// The slack of the answer about a sibling.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn slack(&self, sibling: usize) -> Slack {
         Slack {
             view: self.slack_view[sibling],
@@ -184,12 +185,18 @@ impl View {
             view_from_grid: linear * grid.step,
             grid: *grid,
             eye_object: if projection.is_orthographic {
-                object_from_view.transform_vector3(Vec3::Z).normalize_or_zero()
+                object_from_view
+                    .transform_vector3(Vec3::Z)
+                    .normalize_or_zero()
             } else {
                 object_from_view.transform_point3(Vec3::ZERO)
             },
             stretch: greatest_stretch(linear),
-            reach: if projection.is_orthographic { k } else { k + 1.0 },
+            reach: if projection.is_orthographic {
+                k
+            } else {
+                k + 1.0
+            },
             planes,
             plane_bits,
             cones: cone_table(),
@@ -221,7 +228,11 @@ impl View {
         // A plane that there is not is never crossed.
         let planes = core::array::from_fn(|number| {
             let is_there = self.plane_bits >> number & 1 != 0;
-            if is_there { self.planes[number].to_array() } else { [0.0; 4] }
+            if is_there {
+                self.planes[number].to_array()
+            } else {
+                [0.0; 4]
+            }
         });
         ViewWords {
             origin_view: self.origin_view.to_array(),
@@ -241,7 +252,9 @@ impl View {
 
     /// What becomes of the tree's root; the tree is on the view's grid.
     pub fn root(&self, tree: &Tree) -> Root {
-        let Some(root) = tree.nodes.first() else { return Root::Culled };
+        let Some(root) = tree.nodes.first() else {
+            return Root::Culled;
+        };
         let answers = self.judge::<false>(core::slice::from_ref(root), self.all_open());
         match answers.of(0) {
             (Verdict::Culled, _) => Root::Culled,
@@ -271,7 +284,7 @@ impl View {
     /// A node's width on the screen is taken as 2·r·d / (z − r), r its radius, z its depth, d the pixels a unit covers at depth
     /// 1: for small spheres that is 2·r·d / z, the size of a splat in Chen and Nguyen's system. No child's is greater than its parent's, since a
     /// child's sphere lies inside.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn judge<const SLACK: bool>(&self, siblings: &[Node], open: Open) -> Answers {
         let mut nodes = [Node::default(); 4];
         let count = siblings.len().min(4);
@@ -279,11 +292,22 @@ impl View {
         let place = Lanes::of(nodes.map(|node| node.place().as_ivec3().as_vec3()));
         let radius_object = Vec4::from_array(nodes.map(Node::radius));
         let radius = radius_object * self.stretch;
-        let [x, y, z] = [self.view_from_grid.x_axis, self.view_from_grid.y_axis, self.view_from_grid.z_axis];
+        let [x, y, z] = [
+            self.view_from_grid.x_axis,
+            self.view_from_grid.y_axis,
+            self.view_from_grid.z_axis,
+        ];
         let along = |axis: usize| {
-            place.x * x[axis] + place.y * y[axis] + place.z * z[axis] + Vec4::splat(self.origin_view[axis])
+            place.x * x[axis]
+                + place.y * y[axis]
+                + place.z * z[axis]
+                + Vec4::splat(self.origin_view[axis])
         };
-        let centre = Lanes { x: along(0), y: along(1), z: along(2) };
+        let centre = Lanes {
+            x: along(0),
+            y: along(1),
+            z: along(2),
+        };
         let mut answers = Answers {
             culled: 0,
             large: 0,
@@ -305,7 +329,8 @@ impl View {
                 // Of what is already outside another plane, that plane's slack stays.
                 let to_outside = (distance + radius).abs();
                 let to_inside = (distance - radius).abs();
-                let nearest = Vec4::select(is_outside, to_outside, Vec4::min(to_inside, to_outside));
+                let nearest =
+                    Vec4::select(is_outside, to_outside, Vec4::min(to_inside, to_outside));
                 answers.slack_view = answers.slack_view.min(nearest);
             }
             answers.culled |= is_outside.bitmask();
@@ -333,7 +358,7 @@ impl View {
     ///
     /// n·(x − eye) is bounded over the normals n of the cone and the points x of the sphere: all face away if its least is
     /// above 0, all face the eye if its greatest is below. Object space, where any affine transform leaves the signs as they are.
-    #[inline(always)]
+    #[inline]
     fn judge_cones<const SLACK: bool>(
         &self,
         nodes: &[Node; 4],
@@ -348,7 +373,11 @@ impl View {
         let (from_eye, square, radius) = if self.projection.is_orthographic {
             // As seen from far away: only the direction counts.
             let from_eye = -self.eye_object;
-            let lanes = Lanes { x: Vec4::splat(from_eye.x), y: Vec4::splat(from_eye.y), z: Vec4::splat(from_eye.z) };
+            let lanes = Lanes {
+                x: Vec4::splat(from_eye.x),
+                y: Vec4::splat(from_eye.y),
+                z: Vec4::splat(from_eye.z),
+            };
             (lanes, Vec4::ONE, Vec4::ZERO)
         } else {
             let from_eye = Vec3::from_array(self.grid.origin) - self.eye_object;
@@ -360,7 +389,8 @@ impl View {
             let square = lanes.x * lanes.x + lanes.y * lanes.y + lanes.z * lanes.z;
             (lanes, square, radius)
         };
-        let along = (axis.x * from_eye.x + axis.y * from_eye.y + axis.z * from_eye.z) * self.normal_sign();
+        let along =
+            (axis.x * from_eye.x + axis.y * from_eye.y + axis.z * from_eye.z) * self.normal_sign();
         let across = (square - along * along).max(Vec4::ZERO);
         let across = Vec4::from_array(across.to_array().map(f32::sqrt));
         let least = along * cosine - across * sine - radius;
@@ -391,7 +421,7 @@ struct Lanes {
 }
 
 impl Lanes {
-    #[inline(always)]
+    #[inline]
     fn of([a, b, c, d]: [Vec3; 4]) -> Self {
         Self {
             x: Vec4::new(a.x, b.x, c.x, d.x),
@@ -401,7 +431,7 @@ impl Lanes {
     }
 
     /// Unit normals: `decode_normal20`, four at once.
-    #[inline(always)]
+    #[inline]
     fn of_normals(nodes: &[Node; 4]) -> Self {
         let code = |shift: u32| {
             let codes = nodes.map(|node| (node.0[3] >> shift & 1023) as i32 as f32);
@@ -411,14 +441,26 @@ impl Lanes {
         let z = Vec4::ONE - square_x.abs() - square_y.abs();
         let sign = |value: Vec4| Vec4::select(value.cmpge(Vec4::ZERO), Vec4::ONE, Vec4::NEG_ONE);
         let is_upper = z.cmpge(Vec4::ZERO);
-        let x = Vec4::select(is_upper, square_x, (Vec4::ONE - square_y.abs()) * sign(square_x));
-        let y = Vec4::select(is_upper, square_y, (Vec4::ONE - square_x.abs()) * sign(square_y));
+        let x = Vec4::select(
+            is_upper,
+            square_x,
+            (Vec4::ONE - square_y.abs()) * sign(square_x),
+        );
+        let y = Vec4::select(
+            is_upper,
+            square_y,
+            (Vec4::ONE - square_x.abs()) * sign(square_y),
+        );
         let square = x * x + y * y + z * z;
         let scale = Vec4::ONE / Vec4::from_array(square.to_array().map(f32::sqrt));
-        Self { x: x * scale, y: y * scale, z: z * scale }
+        Self {
+            x: x * scale,
+            y: y * scale,
+            z: z * scale,
+        }
     }
 
-    #[inline(always)]
+    #[inline]
     fn dot(&self, other: Vec3) -> Vec4 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
@@ -431,7 +473,9 @@ fn planes_of(projection: &Projection) -> ([Vec4; PLANE_COUNT], u8) {
     let rows = projection.clip_from_view.transpose();
     let [x, y, z, w] = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
     let margin_px = 2.0 * projection.threshold_px + 1.0;
-    let [wide, high] = projection.size_px.map(|size| w * (1.0 + 2.0 * margin_px / size.max(1.0)));
+    let [wide, high] = projection
+        .size_px
+        .map(|size| w * (1.0 + 2.0 * margin_px / size.max(1.0)));
     // Depth is reversed: the near plane is at 1, the far plane at 0.
     let planes = [wide + x, wide - x, high + y, high - y, w - z, z];
     let mut bits = 0;
@@ -458,7 +502,10 @@ fn greatest_stretch(linear: Mat3) -> f32 {
     }
     let stretch = (linear * direction).length();
     let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
-    let longest = columns.into_iter().map(Vec3::length).fold(stretch, f32::max);
+    let longest = columns
+        .into_iter()
+        .map(Vec3::length)
+        .fold(stretch, f32::max);
     // The iteration comes from below.
     longest * (1.0 + 1e-5)
 }
