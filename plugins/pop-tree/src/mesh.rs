@@ -42,19 +42,31 @@ impl<'a> Mesh<'a> {
         Some(Vec3::new(x, y, z))
     }
 
+    /// Packed normal of a vertex, perhaps [`columns::NO_NORMAL`]; none if the mesh has none.
+    #[inline]
+    pub fn packed_normal(&self, vertex: u32) -> Option<u32> {
+        let (block, place) = self.find(vertex)?;
+        block.normals?.get(place).copied()
+    }
+
+    /// Packed colour of a vertex; none if the mesh has none.
+    #[inline]
+    pub fn packed_colour(&self, vertex: u32) -> Option<u32> {
+        let (block, place) = self.find(vertex)?;
+        block.colours?.get(place).copied()
+    }
+
     /// Unit normal of a vertex; none if it is not known.
     #[inline]
     pub fn normal(&self, vertex: u32) -> Option<Vec3> {
-        let (block, place) = self.find(vertex)?;
-        let bits = *block.normals?.get(place)?;
+        let bits = self.packed_normal(vertex)?;
         (bits != columns::NO_NORMAL).then(|| columns::decode_normal(bits))
     }
 
     /// Colour of a vertex, sRGB, 0 to 1; none if the mesh has none.
     #[inline]
     pub fn colour(&self, vertex: u32) -> Option<Vec3> {
-        let (block, place) = self.find(vertex)?;
-        let bits = *block.colours?.get(place)?;
+        let bits = self.packed_colour(vertex)?;
         Some(columns::decode_colour(bits).truncate())
     }
 

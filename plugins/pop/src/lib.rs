@@ -7,6 +7,7 @@ mod passes;
 mod prepare;
 mod record;
 mod settings;
+mod split;
 mod tree_cache;
 mod uniforms;
 mod view;

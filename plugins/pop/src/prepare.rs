@@ -1,14 +1,18 @@
 //! From a scene to trees on the device.
 
 use crate::Pop;
-use crate::part::{Origin, Part, mesh_of};
+use crate::part::{DeviceMesh, Origin, Part, mesh_of};
 use crate::passes::Passes;
+use crate::split::pieces;
 use crate::tree_cache;
 use pointstage_plugin_api::prelude::*;
 use pointstage_plugin_api::{ChangeKind, Object};
-use pointstage_pop_tree::{BuildError, Mesh, Surface, Tree, build};
+use pointstage_pop_tree::{BuildError, Mesh, Node, Surface, Tree, VertexBlock, build};
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Triangles of a piece, at most.
+const MOST_IN_A_PIECE: usize = 2 << 20;
 
 /// A tree for each mesh of the scene: the one of before where nothing of the mesh has changed, else one from the cache, else
 /// a new one.
@@ -31,58 +35,100 @@ pub(crate) fn prepare(
     let mut parts = Vec::new();
     for object in scene.objects() {
         let origin = Origin::of(object);
-        let same = previous.and_then(|pop| pop.parts.iter().find(|part| part.origin == origin));
-        let part = match same {
-            Some(part) if !is_new_device => Arc::clone(part),
-            Some(part) => Arc::new(Part::new(
-                &passes,
-                object,
-                Arc::clone(&part.tree),
-                part.surface,
-                part.build_time,
-            )?),
-            None => match new_part(host, &passes, object, keeps_files, progress)? {
-                Some(part) => Arc::new(part),
-                None => continue,
-            },
+        let before = previous.iter().flat_map(|pop| &pop.parts);
+        let same: Vec<_> = before.filter(|part| part.origin == origin).collect();
+        let [first, ..] = same[..] else {
+            parts.extend(new_parts(host, &passes, object, keeps_files, progress)?);
+            continue;
         };
-        parts.push(part);
+        if !is_new_device {
+            parts.extend(same.into_iter().cloned());
+        } else if first.owns_vertices {
+            parts.extend(new_parts(host, &passes, object, keeps_files, progress)?);
+        } else {
+            let mesh = DeviceMesh::shared(object)?;
+            let tree = (Arc::clone(&first.tree), first.surface);
+            parts.push(Arc::new(Part::new(
+                &passes,
+                origin,
+                mesh,
+                tree,
+                first.build_time,
+            )?));
+        }
     }
     Ok(Pop { passes, parts })
 }
 
-/// Tree and buffers of an object; none if it is no mesh.
-fn new_part(
+/// Trees and buffers of an object: one part, or more if a buffer of the device does not hold all of it; none if it is no
+/// mesh.
+fn new_parts(
     host: &Host,
     passes: &Passes,
     object: Object<'_>,
     keeps_files: bool,
     progress: &Progress<'_>,
-) -> Result<Option<Part>> {
+) -> Result<Vec<Arc<Part>>> {
     let mut store = Vec::new();
     let Some(mesh) = mesh_of(object, &mut store) else {
-        return Ok(None);
+        return Ok(Vec::new());
     };
-    let start = Instant::now();
-    let make = || tree_of(host, object.name(), &mesh, progress);
-    let tree = if keeps_files {
-        tree_cache::tree_of(host, object.name(), &mesh, make)?
-    } else {
-        make()?
+    let tree_of = |mesh: &Mesh<'_>| {
+        let make = || new_tree(host, object.name(), mesh, progress);
+        if keeps_files {
+            tree_cache::tree_of(host, object.name(), mesh, make)
+        } else {
+            make()
+        }
     };
-    let build_time = start.elapsed();
-    Part::new(
-        passes,
-        object,
-        Arc::new(tree),
-        Surface::of(&mesh),
-        build_time,
-    )
-    .map(Some)
+    let surface = Surface::of(&mesh);
+    let most = most_triangles(&passes.gpu);
+    let part = |mesh, tree, start: Instant| {
+        let tree = (Arc::new(tree), surface);
+        Part::new(passes, Origin::of(object), mesh, tree, start.elapsed()).map(Arc::new)
+    };
+    if object.blocks().len() == 1 && mesh.triangles.len() <= most {
+        let start = Instant::now();
+        let tree = tree_of(&mesh)?;
+        return Ok(vec![part(DeviceMesh::shared(object)?, tree, start)?]);
+    }
+    progress.set(0.0, "splitting");
+    let mut parts = Vec::new();
+    // Three vertices a triangle at worst, and each 16 bytes.
+    let most = most.min(MOST_IN_A_PIECE);
+    for piece in pieces(&mesh, most, &|| progress.check())? {
+        let start = Instant::now();
+        let some = |column| (!<[u32]>::is_empty(column)).then_some(column);
+        let block = VertexBlock {
+            position_radius: &piece.positions,
+            normals: some(&piece.normals),
+            colours: some(&piece.colours),
+        };
+        let tree = tree_of(&Mesh {
+            block_size: u32::MAX,
+            blocks: &[block],
+            triangles: &piece.triangles,
+        })?;
+        parts.push(part(
+            DeviceMesh::uploaded(&passes.gpu, &piece)?,
+            tree,
+            start,
+        )?);
+    }
+    Ok(parts)
+}
+
+/// Triangles of a mesh whose nodes and triangles each fit a storage buffer of the device.
+fn most_triangles(gpu: &Gpu) -> usize {
+    let bytes = gpu
+        .limit("max_storage_buffer_binding_size")
+        .unwrap_or(128 << 20);
+    // A tree has at most 1.7 nodes a triangle: groups of two or more, then of more still.
+    (bytes / (size_of::<Node>() as u64 * 17 / 10)) as usize
 }
 
 /// A new tree.
-fn tree_of(host: &Host, name: &str, mesh: &Mesh<'_>, progress: &Progress<'_>) -> Result<Tree> {
+fn new_tree(host: &Host, name: &str, mesh: &Mesh<'_>, progress: &Progress<'_>) -> Result<Tree> {
     let mut report = |fraction, stage: &str| {
         progress.set(fraction, stage);
         !progress.is_cancelled()

@@ -25,6 +25,8 @@ pub(crate) enum Count<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Draw<'a> {
     pub(crate) kind: Kind,
+    /// Which tree.
+    pub(crate) part: usize,
     pub(crate) count: Count<'a>,
     /// Which uniform of group 2.
     pub(crate) uniform: u32,
@@ -142,10 +144,10 @@ pub(crate) fn record_shading(
     pass.set_bind_group(3, visible, &[]);
     let mut last = None;
     for draw in draws {
-        if last == Some(draw.frame_offset) || draw.pixels.size.contains(&0) {
+        if last == Some(draw.part) || draw.pixels.size.contains(&0) {
             continue;
         }
-        last = Some(draw.frame_offset);
+        last = Some(draw.part);
         bind!(pass, frame, draw);
         pass.set_scissor(draw.pixels.origin, draw.pixels.size);
         pass.draw(0..3, 0..1);

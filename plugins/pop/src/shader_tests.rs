@@ -43,6 +43,7 @@ fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
         ("list_step", offset_of!(TreeUniform, list_step)),
         ("stretch", offset_of!(TreeUniform, stretch)),
         ("point_px", offset_of!(TreeUniform, point_px)),
+        ("owns_vertices", offset_of!(TreeUniform, owns_vertices)),
     ];
     let mut variants = Vec::new();
     for kind in KINDS {

@@ -22,7 +22,8 @@ pub(crate) struct TreeUniform {
     pub(crate) list_step: u32,
     pub(crate) stretch: f32,
     pub(crate) point_px: f32,
-    pub(crate) _padding: [u32; 2],
+    pub(crate) owns_vertices: u32,
+    pub(crate) _padding: u32,
 }
 
 impl TreeUniform {
@@ -37,6 +38,7 @@ impl TreeUniform {
             vertex_count: part.vertex_count,
             first_leaf: part.tree.first_leaf(),
             list_step: 1,
+            owns_vertices: part.owns_vertices.into(),
             ..Self::default()
         }
     }

@@ -298,6 +298,7 @@ impl PopView {
                 };
                 Ok(Draw {
                     kind: draw.kind,
+                    part: draw.part,
                     count,
                     uniform,
                     frame_offset: draw.draw_offset,
