@@ -94,6 +94,42 @@ fn both_paths_agree() {
 }
 
 #[test]
+fn the_cpu_draws_the_splats_that_the_device_draws() {
+    let Some(mut stage) = stage() else { return };
+    let scene = two_balls();
+    for camera in [
+        perspective(EYE),
+        perspective(2.5 * EYE),
+        orthographic(EYE, 2.5),
+    ] {
+        for (width, shape) in [(0.8, "disk"), (2.0, "square"), (6.0, "disk")] {
+            let mut by = |path| {
+                let settings = [
+                    threshold(width),
+                    ("splat", choice(shape)),
+                    ("path", choice(path)),
+                ];
+                drawn(&mut stage, &scene, camera, &settings)
+            };
+            let (device, cpu) = (by("compute"), by("cpu"));
+            let kinds = [&device, &cpu].map(|result| uints(result, "kind"));
+            assert!(kinds[0].contains(&1), "splats are drawn");
+            let apart = kinds[0]
+                .iter()
+                .zip(&kinds[1])
+                .filter(|(a, b)| a != b)
+                .count();
+            assert!(
+                apart * 2_000 <= kinds[0].len(),
+                "{apart} pixels differ, {width} px"
+            );
+            let db = psnr(&device, &cpu);
+            assert!(db >= 45.0, "{db:.1} dB, {width} px, {shape}");
+        }
+    }
+}
+
+#[test]
 fn tiles_make_up_the_picture() {
     let Some(mut stage) = stage() else { return };
     let scene = two_balls();
@@ -173,11 +209,18 @@ fn the_hybrid_covers_all_that_the_mesh_covers() {
             let whole = drawn(&mut stage, &scene, camera, &[("method", choice("classic"))]);
             assert!(uints(&whole, "kind").contains(&2));
             for width in [0.5, 1.0, 1.7, 3.0, 5.0] {
-                for shape in ["square", "disk"] {
-                    let settings = [threshold(width), ("splat", choice(shape))];
+                for (shape, path) in [("square", "compute"), ("disk", "compute"), ("disk", "cpu")] {
+                    let settings = [
+                        threshold(width),
+                        ("splat", choice(shape)),
+                        ("path", choice(path)),
+                    ];
                     let hybrid = drawn(&mut stage, &scene, camera, &settings);
                     let holes = holes(&whole, &hybrid);
-                    assert_eq!(holes, 0, "from {distance}, {shape} splats of {width} px");
+                    assert_eq!(
+                        holes, 0,
+                        "from {distance}, {shape} splats of {width} px, {path}"
+                    );
                 }
             }
         }
@@ -221,8 +264,8 @@ fn coherence_changes_no_picture_and_asks_less() {
     for step in 0..12 {
         let turn = DQuat::from_rotation_y(0.01 * f64::from(step));
         let camera = perspective(turn * EYE);
-        let full = drawn(&mut stage, &scene, camera, &[on("coherence", false)]);
-        let mut request = request(&scene, camera, "pop", &[on("coherence", true)]);
+        let full = drawn(&mut stage, &scene, camera, &[("coherence", choice("off"))]);
+        let mut request = request(&scene, camera, "pop", &[("coherence", choice("on"))]);
         // A view of its own, so that the last cut is of the camera before.
         request.viewport = ViewportId(7);
         let coherent = draw(&mut stage, &request);
@@ -447,7 +490,7 @@ fn the_device_chooses_what_the_cpu_chooses() {
                     threshold(width),
                     ("cull_backs", choice(culling)),
                     ("path", choice(path)),
-                    on("coherence", false),
+                    ("coherence", choice("off")),
                 ];
                 let on_cpu = [&settings[..], &[("selection", choice("cpu"))]].concat();
                 let on_device = [&settings[..], &[("selection", choice("gpu"))]].concat();

@@ -19,6 +19,7 @@ pub struct Tree {
 
 impl Tree {
     /// Number of the first leaf; the leaves are all nodes from here on.
+    #[inline]
     pub fn first_leaf(&self) -> u32 {
         self.level_starts.last().copied().unwrap_or_default()
     }

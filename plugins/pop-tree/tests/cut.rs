@@ -5,7 +5,7 @@ mod meshes;
 use meshes::{Columns, any_mesh, inward_sphere, sheet};
 use pointstage_plugin_api::glam::{Mat4, Quat, Vec3, Vec4};
 use pointstage_pop_tree::Tree;
-use pointstage_pop_tree::cut::{CoherentCut, Cut, Projection, Root, View, full};
+use pointstage_pop_tree::cut::{CoherentCut, Cut, Keep, Projection, Root, View, full};
 use proptest::prelude::*;
 
 const SIZE_PX: [f32; 2] = [400.0, 300.0];
@@ -150,7 +150,7 @@ proptest! {
         let mut coherent = CoherentCut::default();
         let mut kept = Cut::default();
         for _ in 0..2 {
-            coherent.update(&tree, &view, 1, &mut kept);
+            coherent.update(&tree, &view, Keep::Always, 1, &mut kept);
             prop_assert!(kept.splats == cut.splats && kept.triangles == cut.triangles);
             prop_assert_eq!(kept.counts.culled, cut.counts.culled);
         }
@@ -241,7 +241,13 @@ fn a_kept_cut_is_the_full_one_along_any_way() {
         let tree = mesh.tree();
         let (centre, extent) = centre_and_extent(&tree);
         for cull_backs in [false, true] {
-            let mut cuts = [CoherentCut::default(), CoherentCut::default()];
+            let ways = [
+                (Keep::Always, 1),
+                (Keep::Always, 3),
+                (Keep::WhereItPays, 2),
+                (Keep::Never, 3),
+            ];
+            let mut cuts = ways.map(|_| CoherentCut::default());
             for (step, plain) in way(centre, extent).iter().enumerate() {
                 let projection = Projection {
                     cull_backs,
@@ -249,9 +255,9 @@ fn a_kept_cut_is_the_full_one_along_any_way() {
                 };
                 let view = View::new(&projection, &tree.grid);
                 let expected = cut_of(&tree, &projection);
-                for (cut, threads) in cuts.iter_mut().zip([1, 3]) {
+                for (cut, (keep, threads)) in cuts.iter_mut().zip(ways) {
                     let mut found = Cut::default();
-                    cut.update(&tree, &view, threads, &mut found);
+                    cut.update(&tree, &view, keep, threads, &mut found);
                     assert!(found.splats == expected.splats, "splats, step {step}");
                     assert!(
                         found.triangles == expected.triangles,
@@ -278,7 +284,13 @@ fn a_slow_orbit_asks_few_nodes_and_a_stand_fewer() {
             None,
             2.0,
         );
-        coherent.update(&tree, &View::new(&projection, &tree.grid), 1, &mut cut);
+        coherent.update(
+            &tree,
+            &View::new(&projection, &tree.grid),
+            Keep::Always,
+            1,
+            &mut cut,
+        );
         if step > 0 {
             asked += cut.counts.evaluated;
             all += cut_of(&tree, &projection).counts.evaluated;
@@ -286,7 +298,13 @@ fn a_slow_orbit_asks_few_nodes_and_a_stand_fewer() {
     }
     assert!(2 * asked <= all, "{asked} of {all} asked");
     let projection = projection(orbit(centre, 3.0 * extent, 0.005 * 19.0, 0.2), None, 2.0);
-    coherent.update(&tree, &View::new(&projection, &tree.grid), 1, &mut cut);
+    coherent.update(
+        &tree,
+        &View::new(&projection, &tree.grid),
+        Keep::Always,
+        1,
+        &mut cut,
+    );
     assert!(
         cut.counts.evaluated < 2_000,
         "{} asked of a picture that stands",
@@ -316,6 +334,6 @@ fn the_root_is_what_the_full_cut_says() {
     let mut cut = Cut::default();
     full(&empty, &at(2.0), &mut cut);
     assert!(cut.is_empty());
-    CoherentCut::default().update(&empty, &at(2.0), 2, &mut cut);
+    CoherentCut::default().update(&empty, &at(2.0), Keep::Always, 2, &mut cut);
     assert!(cut.is_empty());
 }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod cpu_splats;
 mod device_cut;
 mod part;
 mod passes;

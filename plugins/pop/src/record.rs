@@ -27,6 +27,8 @@ pub(crate) struct Draw<'a> {
     pub(crate) kind: Kind,
     /// Which tree.
     pub(crate) part: usize,
+    /// Whether the CPU has drawn it: it is only lit.
+    pub(crate) is_drawn: bool,
     pub(crate) count: Count<'a>,
     /// Which uniform of group 2.
     pub(crate) uniform: u32,

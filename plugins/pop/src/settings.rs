@@ -1,6 +1,7 @@
 //! The settings of a frame.
 
 use pointstage_plugin_api::{Result, Settings};
+use pointstage_pop_tree::cut::Keep;
 use pointstage_visibility::Path;
 
 /// What is drawn.
@@ -36,6 +37,17 @@ pub(crate) enum Walk {
     Device,
 }
 
+/// Where the compute path draws splats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Splats {
+    /// By the kind of device and their number.
+    WhereFaster,
+    /// On the CPU.
+    OnCpu,
+    /// On the device.
+    OnDevice,
+}
+
 /// How the user wants a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wanted {
@@ -46,9 +58,10 @@ pub(crate) struct Wanted {
     pub(crate) is_gouraud: bool,
     pub(crate) has_pop_colours: bool,
     pub(crate) culling: Culling,
-    pub(crate) is_coherent: bool,
+    pub(crate) keep: Keep,
     pub(crate) walk: Walk,
     pub(crate) path: Path,
+    pub(crate) splats: Splats,
 }
 
 /// The values of the schema.
@@ -71,12 +84,24 @@ pub(crate) fn wanted_of(settings: Settings<'_>) -> Result<Wanted> {
             "off" => Culling::Off,
             _ => Culling::Auto,
         },
-        is_coherent: settings.bool("coherence")?,
+        keep: match settings.choice("coherence")? {
+            "on" => Keep::Always,
+            "off" => Keep::Never,
+            _ => Keep::WhereItPays,
+        },
         walk: match settings.choice("selection")? {
             "cpu" => Walk::Cpu,
             "gpu" => Walk::Device,
             _ => Walk::Auto,
         },
-        path: Path::from_id(settings.choice("path")?),
+        path: match settings.choice("path")? {
+            "cpu" => Path::Compute,
+            other => Path::from_id(other),
+        },
+        splats: match settings.choice("path")? {
+            "auto" => Splats::WhereFaster,
+            "cpu" => Splats::OnCpu,
+            _ => Splats::OnDevice,
+        },
     })
 }

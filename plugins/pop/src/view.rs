@@ -1,11 +1,12 @@
 //! One viewport: the last cut, lists, buffers of the picture's size; and the frame.
 
 use crate::Pop;
+use crate::cpu_splats::{Pixels as SplatPixels, Stage as SplatStage};
 use crate::device_cut::{DeviceCut, LIST_HEAD};
 use crate::part::Part;
-use crate::passes::{Kind, Passes, UNIFORM_BYTES};
+use crate::passes::{Kernel, Kind, Passes, UNIFORM_BYTES};
 use crate::record::{Count, Draw, Pixels, record_kernels, record_raster, record_shading};
-use crate::settings::{Culling, Method, Walk, Wanted, wanted_of};
+use crate::settings::{Culling, Method, Splats, Walk, Wanted, wanted_of};
 use crate::uniforms::{STRIDE, TreeUniform};
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::glam::{Mat4, Vec3};
@@ -16,7 +17,7 @@ use pointstage_plugin_api::gpu::{
 use pointstage_plugin_api::{
     DrawFlags, Error, Frame, FrameUniform, Host, Outcome, Result, statistics,
 };
-use pointstage_pop_tree::cut::{CoherentCut, Cut, Projection, Root, View as CutView, full};
+use pointstage_pop_tree::cut::{CoherentCut, Cut, Keep, Projection, Root, View as CutView};
 use pointstage_visibility::{DrawList, Path, PixelRectangle, Source, Targets};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -26,6 +27,9 @@ const LARGE_COUNT: u64 = 65_535;
 /// Bytes of a pixel of the compute path: primitive and depth.
 const PIXEL_BYTES: u64 = 8;
 
+/// Emptying, joining and uploading this many pixels takes the CPU as long as it saves on a splat.
+const PIXELS_A_SPLAT: u64 = 16;
+
 /// The renderer in one viewport.
 pub struct PopView {
     host: Host,
@@ -33,6 +37,8 @@ pub struct PopView {
     /// Uniforms of all trees.
     uniforms: Option<(u64, Buffer)>,
     visible: Option<Visible>,
+    /// Splats that the CPU draws.
+    splats: SplatPixels,
     warned: bool,
 }
 
@@ -43,6 +49,8 @@ struct PartCut {
     coherent: CoherentCut,
     cut: Cut,
     list: Option<List>,
+    /// Whether splats are in the list: not if the CPU draws them.
+    lists_splats: bool,
     device: Option<DeviceCut>,
     /// The view and what the root leaves open, if the device makes this frame's cut.
     on_device: Option<(CutView, u32)>,
@@ -85,6 +93,8 @@ struct Planned {
     part: usize,
     draw_offset: u32,
     pixels: PixelRectangle,
+    /// If the CPU draws them: view space from object space.
+    on_cpu: Option<[[f32; 4]; 4]>,
 }
 
 /// What a frame took, for the report.
@@ -112,6 +122,7 @@ impl PopView {
             cuts,
             uniforms: None,
             visible: None,
+            splats: SplatPixels::default(),
             warned: false,
         })
     }
@@ -121,9 +132,16 @@ impl PopView {
         let wanted = wanted_of(frame.settings())?;
         let targets = Targets::of(frame);
         let mut took = Took::default();
-        let (planned, uniforms) = self.plan(prepared, frame, &wanted, &mut took)?;
+        let source = self.source_of(&prepared.passes, frame.size_px(), wanted.path);
+        let (planned, uniforms) = self.plan(prepared, frame, (&wanted, source), &mut took)?;
         if !targets.all().is_empty() && !planned.is_empty() {
-            self.record(prepared, frame, &wanted, &targets, (&planned, &uniforms))?;
+            self.record(
+                prepared,
+                frame,
+                (&wanted, source),
+                &targets,
+                (&planned, &uniforms),
+            )?;
         }
         report(frame, prepared, &took);
         Ok(Outcome::Done)
@@ -134,7 +152,7 @@ impl PopView {
         &mut self,
         prepared: &Pop,
         frame: &Frame<'_>,
-        wanted: &Wanted,
+        (wanted, source): (&Wanted, Source),
         took: &mut Took,
     ) -> Result<(Vec<Planned>, Vec<TreeUniform>)> {
         // Splats reach a little beyond the object's bounds.
@@ -177,6 +195,7 @@ impl PopView {
                 projection_of(frame.uniform(), &draw.uniform().view_from_object, wanted);
             let view = culling_view(&projection, part, wanted.culling, two_sided);
             uniform.stretch = view.stretch();
+            let draw_matrix = draw.uniform().view_from_object;
             let mut add = |kind, count: Option<u32>, uniform| {
                 if count != Some(0) {
                     let draw_offset = draw.uniform_offset();
@@ -186,6 +205,7 @@ impl PopView {
                         part: number,
                         draw_offset,
                         pixels,
+                        on_cpu: None,
                     });
                     uniforms.push(uniform);
                 }
@@ -227,8 +247,10 @@ impl PopView {
                         continue;
                     }
                     let threads = frame.thread_count();
-                    let cut = cut.update(part, &view, wanted.is_coherent, threads, took);
+                    let cut = cut.update(part, &view, wanted.keep, threads, took);
                     let (splats, triangles) = (cut.splats.len() as u32, cut.triangles.len() as u32);
+                    let is_on_cpu = source == Source::Pixels
+                        && splats_on_cpu(&prepared.passes, wanted, splats, frame.size_px());
                     let list_first = LIST_HEAD;
                     add(
                         Kind::Splats,
@@ -239,7 +261,7 @@ impl PopView {
                             ..uniform
                         },
                     );
-                    let list_first = LIST_HEAD + splats;
+                    let list_first = LIST_HEAD + if is_on_cpu { 0 } else { splats };
                     add(
                         Kind::Triangles,
                         Some(triangles),
@@ -249,6 +271,13 @@ impl PopView {
                             ..uniform
                         },
                     );
+                    self.cuts[number].lists_splats = !is_on_cpu;
+                    if is_on_cpu {
+                        let drawn = planned.iter_mut().filter(|draw| draw.part == number);
+                        for draw in drawn.filter(|draw| draw.kind == Kind::Splats) {
+                            draw.on_cpu = Some(draw_matrix);
+                        }
+                    }
                 }
             }
         }
@@ -260,7 +289,7 @@ impl PopView {
         &mut self,
         prepared: &Pop,
         frame: &mut Frame<'_>,
-        wanted: &Wanted,
+        (wanted, source): (&Wanted, Source),
         targets: &Targets,
         (planned, uniforms): (&[Planned], &[TreeUniform]),
     ) -> Result<()> {
@@ -269,7 +298,8 @@ impl PopView {
         for cut in &mut self.cuts {
             cut.ready_list(passes, &uniform_buffer)?;
         }
-        let source = self.ready_visible(passes, frame.size_px(), wanted.path)?;
+        self.ready_visible(passes, frame.size_px(), source)?;
+        let has_splats = self.draw_on_cpu(prepared, frame, wanted, (planned, uniforms));
         let missing = || Error::failed("the view's buffers were not made before recording");
         let mut recorder = Recorder::new();
         let group = frame.group();
@@ -285,6 +315,7 @@ impl PopView {
         let draws = (0..)
             .zip(planned)
             .map(|(uniform, draw)| {
+                let is_drawn = draw.on_cpu.is_some();
                 let cut = &cuts[draw.part];
                 let is_triangles = draw.kind.is_triangles();
                 let count = match (draw.count, &cut.device) {
@@ -299,6 +330,7 @@ impl PopView {
                 Ok(Draw {
                     kind: draw.kind,
                     part: draw.part,
+                    is_drawn,
                     count,
                     uniform,
                     frame_offset: draw.draw_offset,
@@ -317,14 +349,18 @@ impl PopView {
                 shading,
                 ..
             } => {
-                recorder.clear_buffer(pixels);
+                if has_splats {
+                    passes.gpu.write(pixels, 0, self.splats.nearest())?;
+                } else {
+                    recorder.clear_buffer(pixels);
+                }
                 let bound = Pixels {
                     group: pixel_group,
                     large,
                     arguments,
                 };
                 for &kernel in passes.kernel_order() {
-                    for draw in &draws {
+                    for draw in draws.iter().filter(|draw| !draw.is_drawn) {
                         let kernels = passes.compute(draw.kind, wanted.is_disk, kernel)?;
                         record_kernels(
                             &mut recorder,
@@ -411,10 +447,38 @@ impl PopView {
         Ok(buffer)
     }
 
-    /// Buffers or textures of the picture's size, and which of them.
-    fn ready_visible(&mut self, passes: &Passes, size_px: [u32; 2], path: Path) -> Result<Source> {
+    /// Draws what the CPU is to draw; whether there is any.
+    fn draw_on_cpu(
+        &mut self,
+        prepared: &Pop,
+        frame: &Frame<'_>,
+        wanted: &Wanted,
+        (planned, uniforms): (&[Planned], &[TreeUniform]),
+    ) -> bool {
+        let mut has_any = false;
+        for (draw, uniform) in planned.iter().zip(uniforms) {
+            let Some(view_from_object) = &draw.on_cpu else {
+                continue;
+            };
+            if !has_any {
+                self.splats.clear(frame.size_px());
+                has_any = true;
+            }
+            let stage = SplatStage::new(
+                &prepared.parts[draw.part].tree,
+                frame.uniform(),
+                view_from_object,
+                (uniform.stretch, uniform.base, wanted.is_disk),
+            );
+            let splats = &self.cuts[draw.part].cut.splats;
+            self.splats.draw(&stage, splats, frame.thread_count());
+        }
+        has_any
+    }
+
+    /// Whether visible primitives go to a buffer, by compute, or to textures, by raster.
+    fn source_of(&mut self, passes: &Passes, size_px: [u32; 2], path: Path) -> Source {
         let gpu = &passes.gpu;
-        let bytes = PIXEL_BYTES * u64::from(size_px[0]) * u64::from(size_px[1]);
         let limit = gpu
             .limit("max_storage_buffer_binding_size")
             .unwrap_or(128 << 20);
@@ -423,13 +487,21 @@ impl PopView {
             Path::Compute => true,
             Path::Auto => gpu.is_software(),
         };
-        let by_compute = wanted && bytes <= limit;
-        if wanted && !by_compute && path == Path::Compute && !self.warned {
+        if wanted && pixel_bytes(size_px) <= limit {
+            return Source::Pixels;
+        }
+        if path == Path::Compute && !self.warned {
             self.warned = true;
             self.host.performance_warning(
                 "drawn by the raster path, not by compute: the picture has more pixels than a storage buffer of this device holds",
             );
         }
+        Source::Ids
+    }
+
+    /// Buffers or textures of the picture's size.
+    fn ready_visible(&mut self, passes: &Passes, size_px: [u32; 2], source: Source) -> Result<()> {
+        let by_compute = source == Source::Pixels;
         let fits = match &self.visible {
             Some(Visible::Buffers { size_px: its, .. }) => by_compute && *its == size_px,
             Some(Visible::Textures { size_px: its, .. }) => !by_compute && *its == size_px,
@@ -439,24 +511,20 @@ impl PopView {
             // What is too large or too small goes before the new one comes.
             self.visible = None;
             self.visible = Some(if by_compute {
-                Visible::buffers(passes, size_px, bytes)?
+                Visible::buffers(passes, size_px)?
             } else {
                 Visible::textures(passes, size_px)?
             });
         }
-        Ok(if by_compute {
-            Source::Pixels
-        } else {
-            Source::Ids
-        })
+        Ok(())
     }
 }
 
 impl Visible {
-    fn buffers(passes: &Passes, size_px: [u32; 2], bytes: u64) -> Result<Self> {
+    fn buffers(passes: &Passes, size_px: [u32; 2]) -> Result<Self> {
         let gpu = &passes.gpu;
         let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
-        let pixels = gpu.buffer("visible pixels", bytes, storage)?;
+        let pixels = gpu.buffer("visible pixels", pixel_bytes(size_px), storage)?;
         let large = gpu.buffer(
             "large triangles",
             4 * (3 + LARGE_COUNT),
@@ -522,7 +590,7 @@ impl PartCut {
         &mut self,
         part: &Arc<Part>,
         view: &CutView,
-        is_coherent: bool,
+        keep: Keep,
         thread_count: usize,
         took: &mut Took,
     ) -> &Cut {
@@ -535,13 +603,8 @@ impl PartCut {
             self.coherent.forget();
         }
         let start = Instant::now();
-        if is_coherent {
-            self.coherent
-                .update(&part.tree, view, thread_count, &mut self.cut);
-        } else {
-            self.coherent.forget();
-            full(&part.tree, view, &mut self.cut);
-        }
+        self.coherent
+            .update(&part.tree, view, keep, thread_count, &mut self.cut);
         took.selection += start.elapsed();
         took.splats += self.cut.splats.len() as u64;
         took.triangles += self.cut.triangles.len() as u64;
@@ -636,7 +699,8 @@ impl PartCut {
         let Cut {
             splats, triangles, ..
         } = &self.cut;
-        let bytes = 4 * (u64::from(LIST_HEAD) + self.cut.len() as u64);
+        let splats = if self.lists_splats { &splats[..] } else { &[] };
+        let bytes = 4 * (u64::from(LIST_HEAD) + (splats.len() + triangles.len()) as u64);
         let uniform_handle = uniforms.as_handle();
         let fits = |list: &List| list.bytes >= bytes && list.uniforms == uniform_handle;
         if !self.list.as_ref().is_some_and(fits) {
@@ -680,7 +744,7 @@ impl PartCut {
         };
         gpu.write(buffer, 0, &[splats.len() as u32, triangles.len() as u32])?;
         let mut at = 4 * u64::from(LIST_HEAD);
-        for entries in [splats, triangles] {
+        for entries in [splats, &triangles[..]] {
             if !entries.is_empty() {
                 gpu.write(buffer, at, entries)?;
                 at += 4 * entries.len() as u64;
@@ -688,6 +752,24 @@ impl PartCut {
         }
         Ok(())
     }
+}
+
+/// Whether the CPU draws this many splats.
+fn splats_on_cpu(passes: &Passes, wanted: &Wanted, splats: u32, size_px: [u32; 2]) -> bool {
+    // Without 64 bits at once the device's two kernels could not go on from what is there.
+    let can = *passes.kernel_order() == [Kernel::Whole] && splats > 0;
+    let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
+    let is_faster = passes.gpu.is_software() && u64::from(splats) * PIXELS_A_SPLAT > pixels;
+    match wanted.splats {
+        Splats::WhereFaster => can && is_faster,
+        Splats::OnCpu => can,
+        Splats::OnDevice => false,
+    }
+}
+
+/// Bytes of the compute path's pixels.
+fn pixel_bytes([width, height]: [u32; 2]) -> u64 {
+    PIXEL_BYTES * u64::from(width) * u64::from(height)
 }
 
 /// The camera, as a cut needs it.

@@ -27,10 +27,28 @@ const ROUNDING: f32 = 4e-6;
 /// Fewer subtrees than this are walked on the calling thread.
 const FEWEST_FOR_THREADS: usize = 16;
 
+/// A motion that is this much smaller than one that asked too many nodes is tried again.
+const SMALLER: f64 = 0.25;
+/// Above this share of nodes asked again, asking all is faster than keeping books.
+const MOST_ASKED: f64 = 0.05;
+
+/// Whether a cut takes over what is known from the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Wherever it can.
+    Always,
+    /// If the camera moves so little that few nodes are asked again.
+    WhereItPays,
+    /// Never.
+    Never,
+}
+
 /// The last cut of a tree, for the next.
 #[derive(Clone, Debug, Default)]
 pub struct CoherentCut {
     last: Option<Last>,
+    /// The least motion by which too many nodes were asked again.
+    too_far: Option<f64>,
     /// Of the nodes on one level, in their order.
     chunks: Vec<Chunk>,
     /// What the walk above the subtrees meets, in its order.
@@ -117,7 +135,14 @@ impl CoherentCut {
     /// The cut of a tree, the same one in every call until [`CoherentCut::forget`]: what [`super::full`] gives.
     ///
     /// * `thread_count`: threads to walk on, the calling one if 0 or 1.
-    pub fn update(&mut self, tree: &Tree, view: &View, thread_count: usize, cut: &mut Cut) {
+    pub fn update(
+        &mut self,
+        tree: &Tree,
+        view: &View,
+        keep: Keep,
+        thread_count: usize,
+        cut: &mut Cut,
+    ) {
         cut.clear();
         if tree.nodes.is_empty() {
             return;
@@ -130,7 +155,14 @@ impl CoherentCut {
             .copied()
             .unwrap_or(tree.nodes.len() as u32);
         let extent = 2.0 * tree.nodes[0].radius();
-        self.travel(tree, view, extent, (end - first) as usize);
+        let motion = self.travel(tree, view, extent, (end - first) as usize);
+        let keeps = match keep {
+            Keep::Always => true,
+            Keep::WhereItPays => self
+                .too_far
+                .is_none_or(|too_far| motion.is_some_and(|motion| motion < SMALLER * too_far)),
+            Keep::Never => false,
+        };
         let far = extent
             + view
                 .eye_object()
@@ -152,7 +184,7 @@ impl CoherentCut {
         };
         self.met.clear();
         self.descend(&now, 0..1, view.all_open(), first..end, cut);
-        self.walk_chunks(&now, first, thread_count);
+        self.walk_chunks(&now, first, keeps, thread_count);
         for met in &self.met {
             match *met {
                 Met::Splat(node) => cut.splats.push(node),
@@ -165,10 +197,27 @@ impl CoherentCut {
                 }
             }
         }
+        if keeps {
+            self.look_back(motion, cut.counts.evaluated);
+        }
     }
 
-    /// Moves the odometers on, or starts anew where answers cannot be carried over.
-    fn travel(&mut self, tree: &Tree, view: &View, extent: f32, chunk_count: usize) {
+    /// Learns from a cut that was kept whether such a motion is small enough.
+    fn look_back(&mut self, motion: Option<f64>, evaluated: u64) {
+        let Some(motion) = motion.filter(|motion| *motion > 0.0) else {
+            return;
+        };
+        let kept = self.met.iter().map(|met| match *met {
+            Met::Chunk(number, _) => self.chunks[number as usize].entries.len(),
+            Met::Splat(_) => 1,
+        });
+        let asked_too_many = evaluated as f64 > MOST_ASKED * kept.sum::<usize>() as f64;
+        self.too_far = asked_too_many.then_some(motion);
+    }
+
+    /// Moves the odometers on, or starts anew where answers cannot be carried over; the motion since the last cut, unless it
+    /// starts anew.
+    fn travel(&mut self, tree: &Tree, view: &View, extent: f32, chunk_count: usize) -> Option<f64> {
         let projection = *view.projection();
         let eye_object = view.eye_object();
         let carries = self.last.as_ref().is_some_and(|last| {
@@ -178,13 +227,17 @@ impl CoherentCut {
                 ..projection
             } == last.projection
         });
+        let mut motion = None;
         if let Some(last) = self.last.as_ref().filter(|_| carries) {
-            self.way_view += greatest_motion(
+            let of_points = greatest_motion(
                 tree,
                 &last.projection.view_from_object,
                 &projection.view_from_object,
             );
-            self.way_eye += f64::from(eye_object.distance(last.eye_object));
+            let of_eye = f64::from(eye_object.distance(last.eye_object));
+            self.way_view += of_points;
+            self.way_eye += of_eye;
+            motion = Some(of_points / f64::from(view.stretch()) + of_eye);
         }
         let limit_view = LONGEST_WAY * f64::from(extent * view.stretch());
         let limit_eye = LONGEST_WAY
@@ -203,6 +256,7 @@ impl CoherentCut {
             projection,
             eye_object,
         });
+        motion
     }
 
     /// Asks the nodes above the subtrees and the subtrees' roots.
@@ -236,7 +290,7 @@ impl CoherentCut {
     }
 
     /// Brings the subtrees that were met up to date.
-    fn walk_chunks(&mut self, now: &Now<'_>, first: u32, thread_count: usize) {
+    fn walk_chunks(&mut self, now: &Now<'_>, first: u32, keeps: bool, thread_count: usize) {
         let mut chunks = self.chunks.iter_mut().enumerate();
         let mut stale = Vec::new();
         for met in &self.met {
@@ -248,7 +302,7 @@ impl CoherentCut {
                 continue;
             };
             chunk.evaluated = 0;
-            if chunk.open != Some(open) || !now.holds(chunk.least) {
+            if !keeps || chunk.open != Some(open) || !now.holds(chunk.least) {
                 stale.push((first + number, open, chunk));
             }
         }
@@ -261,7 +315,13 @@ impl CoherentCut {
                 let Some((root, open, chunk)) = job else {
                     return;
                 };
-                chunk.update(now, root, open, &mut spare);
+                if keeps {
+                    chunk.update(now, root, open, &mut spare);
+                } else {
+                    chunk.clear();
+                    let children = now.tree.nodes[root as usize].children();
+                    chunk.walk_anew(now, children, open);
+                }
             }
         };
         thread::scope(|scope| {
@@ -302,6 +362,23 @@ impl Chunk {
         self.triangles.clear();
         self.culled = 0;
         self.evaluated = 0;
+    }
+
+    /// Walks siblings and what is below them, and keeps nothing for the next cut.
+    fn walk_anew(&mut self, now: &Now<'_>, siblings: Range<u32>, open: Open) {
+        let nodes = now.nodes(&siblings);
+        self.evaluated += nodes.len() as u64;
+        let answers = now.view.judge::<false>(nodes, open);
+        for (place, (number, node)) in siblings.zip(nodes).enumerate() {
+            match answers.of(place) {
+                (Verdict::Culled, _) => self.culled += 1,
+                (Verdict::Small, _) => self.splats.push(number),
+                (Verdict::Large, _) if number >= now.tree.first_leaf() => {
+                    self.triangles.push(node.link());
+                }
+                (Verdict::Large, open) => self.walk_anew(now, node.children(), open),
+            }
+        }
     }
 
     /// Walks siblings and what is below them; their least readings.

@@ -10,7 +10,7 @@ mod coherent;
 mod full;
 mod view;
 
-pub use coherent::CoherentCut;
+pub use coherent::{CoherentCut, Keep};
 pub use full::full;
 pub use view::{Projection, Root, View, ViewWords};
 
