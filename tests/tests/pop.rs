@@ -102,7 +102,7 @@ fn the_cpu_draws_the_splats_that_the_device_draws() {
         perspective(2.5 * EYE),
         orthographic(EYE, 2.5),
     ] {
-        for (width, shape) in [(0.8, "disk"), (2.0, "square"), (6.0, "disk")] {
+        for (width, shape) in [(2.5, "disk"), (4.0, "square"), (6.0, "disk")] {
             let mut by = |path| {
                 let settings = [
                     threshold(width),

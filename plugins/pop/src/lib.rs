@@ -1,17 +1,21 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod camera;
 mod cpu_splats;
 mod device_cut;
 mod part;
+mod part_cut;
 mod passes;
 mod prepare;
 mod record;
 mod settings;
 mod split;
+mod took;
 mod tree_cache;
 mod uniforms;
 mod view;
+mod visible;
 
 use crate::passes::Passes;
 use crate::view::PopView;

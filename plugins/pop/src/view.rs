@@ -1,34 +1,20 @@
 //! One viewport: the last cut, lists, buffers of the picture's size; and the frame.
 
 use crate::Pop;
+use crate::camera::{culling_view, projection_of};
 use crate::cpu_splats::{Pixels as SplatPixels, Stage as SplatStage};
-use crate::device_cut::{DeviceCut, LIST_HEAD};
-use crate::part::Part;
-use crate::passes::{Kernel, Kind, Passes, UNIFORM_BYTES};
+use crate::device_cut::LIST_HEAD;
+use crate::part_cut::PartCut;
+use crate::passes::{Kernel, Kind, Passes};
 use crate::record::{Count, Draw, Pixels, record_kernels, record_raster, record_shading};
-use crate::settings::{Culling, Method, Splats, Walk, Wanted, wanted_of};
+use crate::settings::{Method, Splats, Wanted, wanted_of};
+use crate::took::{Took, report};
 use crate::uniforms::{STRIDE, TreeUniform};
-use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
-use pointstage_plugin_api::glam::{Mat4, Vec3};
-use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, ColourAttachment, DepthAttachment, GroupRef, Recorder,
-    Texture, TextureOptions,
-};
-use pointstage_plugin_api::{
-    DrawFlags, Error, Frame, FrameUniform, Host, Outcome, Result, statistics,
-};
-use pointstage_pop_tree::cut::{CoherentCut, Cut, Keep, Projection, Root, View as CutView};
+use crate::visible::{Visible, pixel_bytes};
+use pointstage_plugin_api::abi::BufferUsage;
+use pointstage_plugin_api::gpu::{Buffer, ColourAttachment, DepthAttachment, Recorder};
+use pointstage_plugin_api::{DrawFlags, Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{DrawList, Path, PixelRectangle, Source, Targets};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-/// Large triangles of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
-const LARGE_COUNT: u64 = 65_535;
-/// Bytes of a pixel of the compute path: primitive and depth.
-const PIXEL_BYTES: u64 = 8;
-
-/// Emptying, joining and uploading this many pixels takes the CPU as long as it saves on a splat.
-const PIXELS_A_SPLAT: u64 = 16;
 
 /// The renderer in one viewport.
 pub struct PopView {
@@ -42,48 +28,6 @@ pub struct PopView {
     warned: bool,
 }
 
-/// A part's last cut in this view.
-#[derive(Default)]
-struct PartCut {
-    part: Option<Arc<Part>>,
-    coherent: CoherentCut,
-    cut: Cut,
-    list: Option<List>,
-    /// Whether splats are in the list: not if the CPU draws them.
-    lists_splats: bool,
-    device: Option<DeviceCut>,
-    /// The view and what the root leaves open, if the device makes this frame's cut.
-    on_device: Option<(CutView, u32)>,
-}
-
-/// The list on the device.
-struct List {
-    bytes: u64,
-    /// None if it is the device's own.
-    buffer: Option<Buffer>,
-    uniforms: Handle,
-    group: BindGroup,
-}
-
-/// Where the visibility pass writes, for pictures of a size.
-enum Visible {
-    Buffers {
-        size_px: [u32; 2],
-        pixels: Buffer,
-        large: Buffer,
-        arguments: Buffer,
-        /// Group 3 of the kernels, and of shading.
-        group: BindGroup,
-        shading: BindGroup,
-    },
-    Textures {
-        size_px: [u32; 2],
-        primitives: Texture,
-        depth: Texture,
-        shading: BindGroup,
-    },
-}
-
 /// What is drawn of a part.
 struct Planned {
     kind: Kind,
@@ -95,16 +39,6 @@ struct Planned {
     pixels: PixelRectangle,
     /// If the CPU draws them: view space from object space.
     on_cpu: Option<[[f32; 4]; 4]>,
-}
-
-/// What a frame took, for the report.
-#[derive(Default)]
-struct Took {
-    splats: u64,
-    triangles: u64,
-    evaluated: u64,
-    culled: u64,
-    selection: Duration,
 }
 
 impl PopView {
@@ -520,239 +454,8 @@ impl PopView {
     }
 }
 
-impl Visible {
-    fn buffers(passes: &Passes, size_px: [u32; 2]) -> Result<Self> {
-        let gpu = &passes.gpu;
-        let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
-        let pixels = gpu.buffer("visible pixels", pixel_bytes(size_px), storage)?;
-        let large = gpu.buffer(
-            "large triangles",
-            4 * (3 + LARGE_COUNT),
-            storage | BufferUsage::COPY_SRC,
-        )?;
-        // Workgroups in x come from the count, one in y and z.
-        let arguments = gpu.buffer_with("large dispatch", BufferUsage::INDIRECT, &[0_u32, 1, 1])?;
-        let group = gpu.bind_group(
-            "visible pixels",
-            &passes.pixels_layout,
-            &[(0, &pixels), (1, &large)],
-        )?;
-        let shading = gpu.bind_group("visible pixels", &passes.visible_layout, &[(0, &pixels)])?;
-        Ok(Self::Buffers {
-            size_px,
-            pixels,
-            large,
-            arguments,
-            group,
-            shading,
-        })
-    }
-
-    fn textures(passes: &Passes, size_px: [u32; 2]) -> Result<Self> {
-        let gpu = &passes.gpu;
-        let texture = |label, format| {
-            gpu.texture(&TextureOptions {
-                label,
-                size: size_px,
-                layers: 1,
-                mip_level_count: 1,
-                format,
-                usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
-            })
-        };
-        let primitives = texture("visible primitives", Format::R32_UINT)?;
-        let depth = texture("depth", Format::DEPTH32_FLOAT)?;
-        let entries =
-            [(0, primitives.as_handle()), (1, depth.as_handle())].map(|(binding, resource)| {
-                abi::BindingRecord {
-                    binding,
-                    resource,
-                    ..Default::default()
-                }
-            });
-        let shading = gpu.bind_group_from(&abi::BindGroupDescriptor {
-            label: "visible primitives".into(),
-            layout: passes.textures_layout.handle(),
-            entries: entries.as_slice().into(),
-        })?;
-        Ok(Self::Textures {
-            size_px,
-            primitives,
-            depth,
-            shading,
-        })
-    }
-}
-
-impl PartCut {
-    /// The part's cut for a view.
-    fn update(
-        &mut self,
-        part: &Arc<Part>,
-        view: &CutView,
-        keep: Keep,
-        thread_count: usize,
-        took: &mut Took,
-    ) -> &Cut {
-        let is_same = self
-            .part
-            .as_ref()
-            .is_some_and(|last| Arc::ptr_eq(last, part));
-        if !is_same {
-            self.part = Some(Arc::clone(part));
-            self.coherent.forget();
-        }
-        let start = Instant::now();
-        self.coherent
-            .update(&part.tree, view, keep, thread_count, &mut self.cut);
-        took.selection += start.elapsed();
-        took.splats += self.cut.splats.len() as u64;
-        took.triangles += self.cut.triangles.len() as u64;
-        took.evaluated += self.cut.counts.evaluated;
-        took.culled += self.cut.counts.culled;
-        &self.cut
-    }
-
-    /// Whether the device makes this frame's cut; then its buffers are ready.
-    fn starts_on_device(
-        &mut self,
-        passes: &Passes,
-        part: &Arc<Part>,
-        view: &CutView,
-        walk: Walk,
-    ) -> Result<bool> {
-        self.on_device = None;
-        let wanted = match walk {
-            Walk::Auto => !passes.gpu.is_software(),
-            Walk::Cpu => false,
-            Walk::Device => true,
-        };
-        let Root::Open(open) = view.root(&part.tree) else {
-            return Ok(false);
-        };
-        if !wanted || !DeviceCut::fits(part) {
-            self.device = None;
-            return Ok(false);
-        }
-        if !self
-            .device
-            .as_ref()
-            .is_some_and(|device| device.is_of(part))
-        {
-            self.device = Some(DeviceCut::new(passes, part)?);
-            self.list = None;
-        }
-        self.on_device = Some((view.clone(), open));
-        Ok(true)
-    }
-
-    /// Adds what the device counted last; where the list's triangles are.
-    fn look(&mut self, took: &mut Took) -> Result<u32> {
-        let Some(device) = &mut self.device else {
-            return Ok(0);
-        };
-        device.look()?;
-        if let Some(tally) = device.last {
-            took.splats += u64::from(tally.splats);
-            took.triangles += u64::from(tally.triangles);
-            took.evaluated += u64::from(tally.asked);
-            took.culled += u64::from(tally.culled);
-        }
-        Ok(device.triangles_first())
-    }
-
-    /// Records the device's selection.
-    fn record_selection(
-        &mut self,
-        passes: &Passes,
-        recorder: &mut Recorder,
-        place: (GroupRef, u32, u32),
-    ) -> Result<()> {
-        match (&mut self.device, &self.on_device) {
-            (Some(device), Some((view, open))) => {
-                device.record(passes, recorder, view, *open, place)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// The list on the device: written, or to be filled there.
-    fn ready_list(&mut self, passes: &Passes, uniforms: &Buffer) -> Result<()> {
-        match (&mut self.device, &self.on_device) {
-            (Some(device), Some(_)) => {
-                let group = device.ready_uniforms(passes, uniforms)?;
-                self.list = Some(List {
-                    bytes: 0,
-                    buffer: None,
-                    uniforms: uniforms.as_handle(),
-                    group,
-                });
-                Ok(())
-            }
-            _ => self.write_list(passes, uniforms),
-        }
-    }
-
-    /// Writes the cut's list to the device.
-    fn write_list(&mut self, passes: &Passes, uniforms: &Buffer) -> Result<()> {
-        let gpu = &passes.gpu;
-        let Cut {
-            splats, triangles, ..
-        } = &self.cut;
-        let splats = if self.lists_splats { &splats[..] } else { &[] };
-        let bytes = 4 * (u64::from(LIST_HEAD) + (splats.len() + triangles.len()) as u64);
-        let uniform_handle = uniforms.as_handle();
-        let fits = |list: &List| list.bytes >= bytes && list.uniforms == uniform_handle;
-        if !self.list.as_ref().is_some_and(fits) {
-            let capacity = bytes.next_power_of_two();
-            let buffer = gpu.buffer(
-                "list",
-                capacity,
-                BufferUsage::STORAGE | BufferUsage::COPY_DST,
-            )?;
-            let entries = [
-                abi::BindingRecord {
-                    binding: 0,
-                    resource: uniform_handle,
-                    offset: 0,
-                    size: UNIFORM_BYTES,
-                },
-                abi::BindingRecord {
-                    binding: 1,
-                    resource: buffer.as_handle(),
-                    ..Default::default()
-                },
-            ];
-            let group = gpu.bind_group_from(&abi::BindGroupDescriptor {
-                label: "list".into(),
-                layout: passes.list_layout.handle(),
-                entries: entries.as_slice().into(),
-            })?;
-            self.list = Some(List {
-                bytes: capacity,
-                buffer: Some(buffer),
-                uniforms: uniform_handle,
-                group,
-            });
-        }
-        let Some(List {
-            buffer: Some(buffer),
-            ..
-        }) = &self.list
-        else {
-            return Ok(());
-        };
-        gpu.write(buffer, 0, &[splats.len() as u32, triangles.len() as u32])?;
-        let mut at = 4 * u64::from(LIST_HEAD);
-        for entries in [splats, &triangles[..]] {
-            if !entries.is_empty() {
-                gpu.write(buffer, at, entries)?;
-                at += 4 * entries.len() as u64;
-            }
-        }
-        Ok(())
-    }
-}
+/// Emptying, joining and uploading this many pixels takes the CPU as long as it saves on a splat.
+const PIXELS_A_SPLAT: u64 = 16;
 
 /// Whether the CPU draws this many splats.
 fn splats_on_cpu(passes: &Passes, wanted: &Wanted, splats: u32, size_px: [u32; 2]) -> bool {
@@ -765,91 +468,4 @@ fn splats_on_cpu(passes: &Passes, wanted: &Wanted, splats: u32, size_px: [u32; 2
         Splats::OnCpu => can,
         Splats::OnDevice => false,
     }
-}
-
-/// Bytes of the compute path's pixels.
-fn pixel_bytes([width, height]: [u32; 2]) -> u64 {
-    PIXEL_BYTES * u64::from(width) * u64::from(height)
-}
-
-/// The camera, as a cut needs it.
-fn projection_of(
-    uniform: &FrameUniform,
-    view_from_object: &[[f32; 4]; 4],
-    wanted: &Wanted,
-) -> Projection {
-    Projection {
-        view_from_object: Mat4::from_cols_array_2d(view_from_object),
-        clip_from_view: Mat4::from_cols_array_2d(&uniform.clip_from_view),
-        size_px: uniform.tile_size_px,
-        pixels_per_unit: uniform.pixels_per_unit,
-        is_orthographic: uniform.is_orthographic != 0,
-        threshold_px: wanted.threshold_px,
-        cull_backs: false,
-        is_inward: false,
-    }
-}
-
-/// The view of a part's tree, with or without culling.
-fn culling_view(
-    projection: &Projection,
-    part: &Part,
-    culling: Culling,
-    two_sided: bool,
-) -> CutView {
-    let view = CutView::new(projection, &part.tree.grid);
-    let culls = match culling {
-        Culling::On => true,
-        Culling::Off => false,
-        Culling::Auto => part.surface.is_closed && is_outside(&view, part),
-    };
-    if !culls || two_sided {
-        return view;
-    }
-    let projection = Projection {
-        cull_backs: true,
-        is_inward: part.surface.is_inward,
-        ..*projection
-    };
-    CutView::new(&projection, &part.tree.grid)
-}
-
-/// Whether the eye, and with it the near plane, is well outside the tree's root.
-fn is_outside(view: &CutView, part: &Part) -> bool {
-    let Some(root) = part.tree.nodes.first() else {
-        return false;
-    };
-    let projection = view.projection();
-    let centre = projection
-        .view_from_object
-        .transform_point3(part.tree.grid.position(root.place()));
-    let clip =
-        projection.clip_from_view * (centre + Vec3::Z * root.radius() * view.stretch()).extend(1.0);
-    // Reversed depth: before the near plane z exceeds w.
-    clip.z < clip.w && (projection.is_orthographic || clip.w > 0.0)
-}
-
-/// Reports what a frame took.
-fn report(frame: &mut Frame<'_>, prepared: &Pop, took: &Took) {
-    let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
-    let nodes: usize = prepared
-        .parts
-        .iter()
-        .map(|part| part.tree.nodes.len())
-        .sum();
-    let build: Duration = prepared.parts.iter().map(|part| part.build_time).sum();
-    frame.report(statistics::SPLATS_DRAWN, took.splats as f64);
-    frame.report(statistics::TRIANGLES_DRAWN, took.triangles as f64);
-    frame.report(statistics::NODES_VISITED, took.evaluated as f64);
-    frame.report("front_length", (took.splats + took.triangles) as f64);
-    frame.report("nodes_culled", took.culled as f64);
-    frame.report("selection_ms", milliseconds(took.selection));
-    frame.report("tree_nodes", nodes as f64);
-    let levels = prepared
-        .parts
-        .iter()
-        .map(|part| part.tree.level_starts.len())
-        .max();
-    frame.report("tree_levels", levels.unwrap_or_default() as f64);
-    frame.report("tree_ms", milliseconds(build));
 }

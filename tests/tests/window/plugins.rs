@@ -59,6 +59,8 @@ fn a_renderer_in_an_added_folder_is_found_and_goes_with_it() -> Result<()> {
     let window = &mut desk.window;
     window.settle("the sphere", |state| state.objects() == ["sphere"])?;
     window.click_on("Tab", "Plugins")?;
+    desk.scroll_settings_to("Button", "Choose a folder of plugins")?;
+    let window = &mut desk.window;
     let typed = folder.to_str().context("it has a plain name")?;
     window.type_into("TextInput", "Folder to look for plugins in", typed)?;
     window.click_on("Button", "Add folder")?;
@@ -78,6 +80,8 @@ fn a_renderer_in_an_added_folder_is_found_and_goes_with_it() -> Result<()> {
     })?;
 
     window.click_on("Tab", "Plugins")?;
+    desk.scroll_settings_to("Button", &remove)?;
+    let window = &mut desk.window;
     window.click_on("Button", &remove)?;
     window.settle("another renderer", |state| {
         *state.session("drawn_by") != EVERYTHING

@@ -107,8 +107,8 @@ impl Case {
         let settings = match self.method {
             Method::Classic => r#""method": "classic""#,
             Method::Pop => r#""method": "pop""#,
-            Method::Coherent => r#""method": "pop", "selection": "cpu", "coherence": true"#,
-            Method::Full => r#""method": "pop", "selection": "cpu", "coherence": false"#,
+            Method::Coherent => r#""method": "pop", "selection": "cpu", "coherence": "on""#,
+            Method::Full => r#""method": "pop", "selection": "cpu", "coherence": "off""#,
         };
         let eye = match self.eye {
             Eye::Distance(distance) => format!("\"distance\": {distance}"),

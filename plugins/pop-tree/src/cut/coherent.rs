@@ -6,12 +6,13 @@
 //! part: a part in which nothing can have changed is taken over as it stands, untested. Subtrees are independent, so threads
 //! share them.
 //!
-//! The scheme of the seed marks the nodes of the last cut and walks up or down from each, and so asks every node of the cut;
+//! The usual scheme marks the nodes of the last cut and walks up or down from each, and so asks every node of the cut;
 //! this one asks few of them, and what it gives is the full walk's answer by construction.
 
 use super::Cut;
-use super::view::{Answers, Open, Projection, Slack, Verdict, View};
-use crate::node::Node;
+use super::chunk::{Chunk, Now};
+use super::judge::{Open, Verdict};
+use super::view::{Projection, View};
 use crate::tree::Tree;
 use core::ops::Range;
 use pointstage_plugin_api::glam::{DVec3, Mat4, Vec3};
@@ -71,59 +72,6 @@ enum Met {
     Splat(u32),
     /// A subtree by its number, with what its root leaves open.
     Chunk(u32, Open),
-}
-
-/// The walk below a node.
-#[derive(Clone, Debug, Default)]
-struct Chunk {
-    /// What the root left open.
-    open: Option<Open>,
-    entries: Vec<Entry>,
-    splats: Vec<u32>,
-    triangles: Vec<u32>,
-    culled: u64,
-    /// Least readings of all.
-    least: Slack,
-    /// Of the last update.
-    evaluated: u64,
-}
-
-/// A node of the walk, followed by those below it.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    /// Place of the entry after the last one below this.
-    end: u32,
-    /// What the subtree's splats and triangles begin at.
-    splats: u32,
-    triangles: u32,
-    verdict: Verdict,
-    /// What the node leaves open.
-    open: Open,
-    /// Readings until its own answer holds.
-    own: Slack,
-    /// Least readings of it and all below.
-    least: Slack,
-}
-
-/// The view and the odometers.
-struct Now<'a> {
-    tree: &'a Tree,
-    view: &'a View,
-    way_view: f64,
-    way_eye: f64,
-    /// Taken off each slack.
-    rounding_view: f32,
-    rounding_eye: f32,
-}
-
-/// Where the old walk has a node's answer.
-#[derive(Clone, Copy)]
-struct Before<'a> {
-    chunk: &'a Chunk,
-    /// Place of the entry of the first sibling.
-    first: Option<u32>,
-    /// Whether something else was left open for the siblings, so that their answers are void.
-    is_void: bool,
 }
 
 impl CoherentCut {
@@ -337,163 +285,6 @@ impl CoherentCut {
             }
             work();
         });
-    }
-}
-
-impl Chunk {
-    /// Brings the walk up to date; `spare` gets the old one.
-    fn update(&mut self, now: &Now<'_>, root: u32, open: Open, spare: &mut Self) {
-        spare.clear();
-        let before = Before {
-            chunk: self,
-            first: self.open.is_some().then_some(0),
-            is_void: self.open != Some(open),
-        };
-        let children = now.tree.nodes[root as usize].children();
-        spare.least = spare.walk(now, before, children, open);
-        spare.open = Some(open);
-        core::mem::swap(self, spare);
-    }
-
-    fn clear(&mut self) {
-        self.open = None;
-        self.entries.clear();
-        self.splats.clear();
-        self.triangles.clear();
-        self.culled = 0;
-        self.evaluated = 0;
-    }
-
-    /// Walks siblings and what is below them, and keeps nothing for the next cut.
-    fn walk_anew(&mut self, now: &Now<'_>, siblings: Range<u32>, open: Open) {
-        let nodes = now.nodes(&siblings);
-        self.evaluated += nodes.len() as u64;
-        let answers = now.view.judge::<false>(nodes, open);
-        for (place, (number, node)) in siblings.zip(nodes).enumerate() {
-            match answers.of(place) {
-                (Verdict::Culled, _) => self.culled += 1,
-                (Verdict::Small, _) => self.splats.push(number),
-                (Verdict::Large, _) if number >= now.tree.first_leaf() => {
-                    self.triangles.push(node.link());
-                }
-                (Verdict::Large, open) => self.walk_anew(now, node.children(), open),
-            }
-        }
-    }
-
-    /// Walks siblings and what is below them; their least readings.
-    fn walk(
-        &mut self,
-        now: &Now<'_>,
-        before: Before<'_>,
-        siblings: Range<u32>,
-        open: Open,
-    ) -> Slack {
-        let nodes = now.nodes(&siblings);
-        let old = before.chunk;
-        let mut answers: Option<Answers> = None;
-        let mut least = Slack::ENDLESS;
-        let mut had = before.first;
-        for (place, (number, node)) in siblings.zip(nodes).enumerate() {
-            let known = had.map(|place| &old.entries[place as usize]);
-            let stands = known.filter(|_| !before.is_void);
-            if let (Some(from), Some(entry)) = (had, stands)
-                && now.holds(entry.least)
-            {
-                self.take_over(old, from, entry.end);
-                least = least.min(entry.least);
-                had = Some(entry.end);
-                continue;
-            }
-            let (verdict, left_open, own) = if let Some(entry) =
-                stands.filter(|entry| now.holds(entry.own))
-            {
-                (entry.verdict, entry.open, entry.own)
-            } else {
-                self.evaluated += 1;
-                let answers = answers.get_or_insert_with(|| now.view.judge::<true>(nodes, open));
-                let (verdict, left_open) = answers.of(place);
-                (verdict, left_open, now.until(answers.slack(place)))
-            };
-            let at = self.entries.len();
-            self.entries.push(Entry {
-                end: 0,
-                splats: self.splats.len() as u32,
-                triangles: self.triangles.len() as u32,
-                verdict,
-                open: left_open,
-                own,
-                least: own,
-            });
-            match verdict {
-                Verdict::Culled => self.culled += 1,
-                Verdict::Small => self.splats.push(number),
-                Verdict::Large if number >= now.tree.first_leaf() => {
-                    self.triangles.push(node.link());
-                }
-                Verdict::Large => {
-                    // The old walk has the children if it opened the node; void if it left something else open for them.
-                    let opened = known.filter(|entry| entry.verdict == Verdict::Large);
-                    let below = Before {
-                        chunk: old,
-                        first: had.filter(|_| opened.is_some()).map(|place| place + 1),
-                        is_void: opened.is_none_or(|entry| entry.open != left_open),
-                    };
-                    let below = self.walk(now, below, node.children(), left_open);
-                    self.entries[at].least = own.min(below);
-                }
-            }
-            self.entries[at].end = self.entries.len() as u32;
-            least = least.min(self.entries[at].least);
-            had = known.map(|entry| entry.end);
-        }
-        least
-    }
-
-    /// Takes over a part of the old walk as it stands.
-    fn take_over(&mut self, old: &Self, from: u32, end: u32) {
-        let part = &old.entries[from as usize..end as usize];
-        let Some(first) = part.first() else { return };
-        let (splats, triangles) = match old.entries.get(end as usize) {
-            Some(next) => (next.splats as usize, next.triangles as usize),
-            None => (old.splats.len(), old.triangles.len()),
-        };
-        let at = self.entries.len() as u32;
-        let splat_at = self.splats.len() as u32;
-        let triangle_at = self.triangles.len() as u32;
-        self.entries.extend(part.iter().map(|entry| Entry {
-            end: entry.end - from + at,
-            splats: entry.splats - first.splats + splat_at,
-            triangles: entry.triangles - first.triangles + triangle_at,
-            ..*entry
-        }));
-        self.culled += part
-            .iter()
-            .filter(|entry| entry.verdict == Verdict::Culled)
-            .count() as u64;
-        self.splats
-            .extend_from_slice(&old.splats[first.splats as usize..splats]);
-        self.triangles
-            .extend_from_slice(&old.triangles[first.triangles as usize..triangles]);
-    }
-}
-
-impl<'a> Now<'a> {
-    fn nodes(&self, numbers: &Range<u32>) -> &'a [Node] {
-        &self.tree.nodes[numbers.start as usize..numbers.end as usize]
-    }
-
-    /// Whether answers with these readings still stand.
-    fn holds(&self, until: Slack) -> bool {
-        f64::from(until.view) > self.way_view && f64::from(until.eye) > self.way_eye
-    }
-
-    /// The readings until an answer with this slack stands.
-    fn until(&self, slack: Slack) -> Slack {
-        Slack {
-            view: self.way_view as f32 + slack.view - self.rounding_view,
-            eye: self.way_eye as f32 + slack.eye - self.rounding_eye,
-        }
     }
 }
 

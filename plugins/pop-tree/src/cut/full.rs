@@ -1,7 +1,8 @@
 //! The cut from the root, each time.
 
 use super::Cut;
-use super::view::{Open, Verdict, View};
+use super::judge::{Open, Verdict};
+use super::view::View;
 use crate::tree::Tree;
 use core::ops::Range;
 

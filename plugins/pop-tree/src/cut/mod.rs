@@ -4,10 +4,12 @@
 //! leaf is a triangle; else the children decide. [`full`] asks from the root each time. [`CoherentCut`] keeps what it asked
 //! for how far the camera may move until the answer can change, and asks again only then; the cut is the same.
 //!
-//! The WGSL twin of [`View::judge`] is `shaders/pop/judge.wesl`.
+//! The WGSL twin of `View::judge` is `shaders/pop/judge.wesl`.
 
+mod chunk;
 mod coherent;
 mod full;
+mod judge;
 mod view;
 
 pub use coherent::{CoherentCut, Keep};
