@@ -298,6 +298,35 @@ fn at_one_pixel_the_hybrid_looks_like_the_mesh() {
     }
 }
 
+#[test]
+fn the_level_falls_with_the_distance() {
+    let Some(mut stage) = stage() else { return };
+    let scene = ball();
+    let mut greatest = u32::MAX;
+    for distance in [1.5, 4.0, 12.0, 50.0] {
+        let camera = perspective(EYE.normalize() * distance);
+        let mut request = request(&scene, camera, "pop", &[threshold(2.0)]);
+        request.read_back.push("lod".to_owned());
+        let result = draw(&mut stage, &request);
+        let levels = uints(&result, "lod")
+            .into_iter()
+            .zip(uints(&result, "kind"));
+        let seen: BTreeSet<u32> = levels
+            .filter(|(_, kind)| *kind != 0)
+            .map(|(level, _)| level)
+            .collect();
+        let deepest = *seen.last().expect("the ball is seen");
+        let leaves = reported(&result, "tree_levels") as u32 - 1;
+        assert!(
+            deepest <= leaves && (distance > 2.0 || deepest == leaves),
+            "{seen:?} of {leaves}"
+        );
+        assert!(deepest <= greatest, "{seen:?} from {distance}");
+        greatest = deepest;
+    }
+    assert!(greatest < 8, "{greatest}");
+}
+
 /// A mesh of these triangles over vertices at these places.
 fn mesh_of(places: &[Vec3], triangles: &[[u32; 3]]) -> Arc<Scene> {
     let vertices: Vec<Surfel> = places

@@ -33,5 +33,6 @@ pub use node::{
     Grid, NO_CONE, Node, NodeParts, decode_half_angle, decode_normal20, decode_radius,
     encode_half_angle, encode_normal20, encode_radius,
 };
+pub use sizes::node_count;
 pub use surface::Surface;
 pub use tree::Tree;

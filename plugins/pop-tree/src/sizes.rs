@@ -42,6 +42,11 @@ pub(crate) fn level_sizes(leaf_count: usize) -> Vec<usize> {
     sizes
 }
 
+/// Nodes of the tree of a mesh.
+pub fn node_count(triangle_count: usize) -> usize {
+    level_sizes(triangle_count).into_iter().sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{GROUP, group_count, halvings, level_sizes};

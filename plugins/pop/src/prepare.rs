@@ -7,11 +7,12 @@ use crate::split::pieces;
 use crate::tree_cache;
 use pointstage_plugin_api::prelude::*;
 use pointstage_plugin_api::{ChangeKind, Object};
-use pointstage_pop_tree::{BuildError, Mesh, Node, Surface, Tree, VertexBlock, build};
+use pointstage_pop_tree::{BuildError, Mesh, Node, Surface, Tree, VertexBlock, build, node_count};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Triangles of a piece, at most.
+/// Triangles of a piece, at most: their nodes take up to 75 MB, their vertices, three a triangle at worst, 100 MB. Every device binds as
+/// much at once.
 const MOST_IN_A_PIECE: usize = 2 << 20;
 
 /// A tree for each mesh of the scene: the one of before where nothing of the mesh has changed, else one from the cache, else
@@ -82,21 +83,18 @@ fn new_parts(
         }
     };
     let surface = Surface::of(&mesh);
-    let most = most_triangles(&passes.gpu);
     let part = |mesh, tree, start: Instant| {
         let tree = (Arc::new(tree), surface);
         Part::new(passes, Origin::of(object), mesh, tree, start.elapsed()).map(Arc::new)
     };
-    if object.blocks().len() == 1 && mesh.triangles.len() <= most {
+    if object.blocks().len() == 1 && fits(&passes.gpu, mesh.triangles.len()) {
         let start = Instant::now();
         let tree = tree_of(&mesh)?;
         return Ok(vec![part(DeviceMesh::shared(object)?, tree, start)?]);
     }
     progress.set(0.0, "splitting");
     let mut parts = Vec::new();
-    // Three vertices a triangle at worst, and each 16 bytes.
-    let most = most.min(MOST_IN_A_PIECE);
-    for piece in pieces(&mesh, most, &|| progress.check())? {
+    for piece in pieces(&mesh, MOST_IN_A_PIECE, &|| progress.check())? {
         let start = Instant::now();
         let some = |column| (!<[u32]>::is_empty(column)).then_some(column);
         let block = VertexBlock {
@@ -118,13 +116,16 @@ fn new_parts(
     Ok(parts)
 }
 
-/// Triangles of a mesh whose nodes and triangles each fit a storage buffer of the device.
-fn most_triangles(gpu: &Gpu) -> usize {
-    let bytes = gpu
+/// Whether the nodes and the triangles of a mesh each fit a storage buffer of the device.
+fn fits(gpu: &Gpu, triangle_count: usize) -> bool {
+    let limit = gpu
         .limit("max_storage_buffer_binding_size")
         .unwrap_or(128 << 20);
-    // A tree has at most 1.7 nodes a triangle: groups of two or more, then of more still.
-    (bytes / (size_of::<Node>() as u64 * 17 / 10)) as usize
+    let bytes = [
+        node_count(triangle_count) * size_of::<Node>(),
+        triangle_count * size_of::<[u32; 3]>(),
+    ];
+    bytes.into_iter().all(|bytes| bytes as u64 <= limit)
 }
 
 /// A new tree.

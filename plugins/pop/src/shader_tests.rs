@@ -44,6 +44,8 @@ fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
         ("stretch", offset_of!(TreeUniform, stretch)),
         ("point_px", offset_of!(TreeUniform, point_px)),
         ("owns_vertices", offset_of!(TreeUniform, owns_vertices)),
+        ("level_count", offset_of!(TreeUniform, level_count)),
+        ("level_starts", offset_of!(TreeUniform, level_starts)),
     ];
     let mut variants = Vec::new();
     for kind in KINDS {
