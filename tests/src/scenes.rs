@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use glam::Vec3;
 
+use crate::models;
+
 /// One surfel of a made scene; scene units, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surfel {
@@ -114,6 +116,43 @@ pub fn write(folder: &Path, name: &str, surfels: &[Surfel]) -> Result<PathBuf> {
     let path = folder.join(format!("{name}.ply"));
     std::fs::write(&path, encode(surfels))
         .with_context(|| format!("writing {}", path.display()))?;
+    Ok(path)
+}
+
+/// Writes a mesh as `<name>.ply` in `folder`, with normals and the colours that they stand for.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_mesh(
+    folder: &Path,
+    name: &str,
+    vertices: &[models::Surfel],
+    triangles: &[[u32; 3]],
+) -> Result<PathBuf> {
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         property float nx\nproperty float ny\nproperty float nz\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\n\
+         element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+        vertices.len(),
+        triangles.len()
+    )
+    .into_bytes();
+    for vertex in vertices {
+        bytes.extend(floats(vertex.centre));
+        bytes.extend(floats(vertex.normal));
+        bytes.extend(
+            (vertex.normal.abs() * 255.0)
+                .to_array()
+                .map(|level| level as u8),
+        );
+    }
+    for triangle in triangles {
+        bytes.push(3);
+        bytes.extend(triangle.iter().flat_map(|vertex| vertex.to_le_bytes()));
+    }
+    let path = folder.join(format!("{name}.ply"));
+    std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))?;
     Ok(path)
 }
 

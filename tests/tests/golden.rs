@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use pointstage_tests::models::dented_mesh;
 use pointstage_tests::render::Studio;
 use pointstage_tests::{data, golden, scenes};
 
@@ -13,11 +14,21 @@ const LEAST_PSNR_DB: f64 = 38.0;
 /// Draws every scene with `renderer` and `arguments` and compares with the golden images in `folder`; all failures are
 /// told together.
 fn check(folder: &str, renderer: &str, arguments: &[&str]) -> Result<()> {
+    check_files(&scene_files()?, folder, renderer, arguments)
+}
+
+/// The same with scenes of its own: name, eye and file of each.
+fn check_files(
+    files: &[(&'static str, [f64; 3], PathBuf)],
+    folder: &str,
+    renderer: &str,
+    arguments: &[&str],
+) -> Result<()> {
     let mut failures = Vec::new();
-    for (scene, eye, file) in scene_files()? {
-        let studio = Studio::new(eye)?;
+    for (scene, eye, file) in files {
+        let studio = Studio::new(*eye)?;
         let outcome = studio
-            .render(&file, renderer, arguments)
+            .render(file, renderer, arguments)
             .and_then(|rendering| golden::check(folder, scene, &rendering.picture, LEAST_PSNR_DB));
         if let Err(error) = outcome {
             failures.push(format!("{scene}: {error:#}"));
@@ -80,4 +91,19 @@ fn the_reference_draws_as_before() -> Result<()> {
 #[test]
 fn disks_draw_as_before() -> Result<()> {
     check("surfel", "surfel", &[])
+}
+
+#[test]
+fn hybrids_of_points_and_polygons_draw_as_before() -> Result<()> {
+    let folder = golden::output_folder().join("scenes");
+    std::fs::create_dir_all(&folder)?;
+    let mut files = Vec::new();
+    for (name, [rings, sides]) in [("fine", [200, 400]), ("coarse", [14, 24])] {
+        let (vertices, triangles) = dented_mesh(rings, sides);
+        let file = scenes::write_mesh(&folder, name, &vertices, &triangles)?;
+        files.push((name, [1.5, 1.0, 2.6], file));
+    }
+    check_files(&files, "pop", "pop", &["--set", "threshold=3"])?;
+    let coloured = ["--set", "threshold=3", "--set", "pop_colours=true"];
+    check_files(&files, "pop_colours", "pop", &coloured)
 }
