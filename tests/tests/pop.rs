@@ -134,7 +134,7 @@ fn tiles_make_up_the_picture() {
     let Some(mut stage) = stage() else { return };
     let scene = two_balls();
     for camera in [perspective(EYE), orthographic(EYE, 2.5)] {
-        for (path, _) in PATHS {
+        for path in ["raster", "compute", "cpu"] {
             let request = request(
                 &scene,
                 camera,

@@ -69,26 +69,35 @@ fn open_window(program: &Path, files: &[PathBuf], passed_on: &[String]) -> Outco
 /// Draws every file with every renderer into `target/pictures/`; one line of standard output a picture.
 fn draw_pictures(program: &Path, files: &[PathBuf], passed_on: &[String]) -> Outcome {
     let renderers = renderers(program)?;
+    let names: Vec<&str> = renderers.iter().map(|renderer| &*renderer.name).collect();
     process::say(&format!(
         "no display here, so drawing pictures instead, with {}",
-        renderers.join(", ")
+        names.join(", ")
     ));
     let folder = paths::target().join("pictures");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut failures = Vec::new();
     for file in files {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-        for renderer in &renderers {
-            let picture = folder.join(format!("{stem}_{renderer}.png"));
+        let has_mesh = has_mesh(program, file)?;
+        for Renderer { name, needs_mesh } in &renderers {
+            if *needs_mesh && !has_mesh {
+                process::say(&format!(
+                    "{name} draws meshes, which {} is not",
+                    paths::shown(file)
+                ));
+                continue;
+            }
+            let picture = folder.join(format!("{stem}_{name}.png"));
             let mut command = Command::new(program);
             command
                 .arg("render")
                 .arg(file)
-                .args(["--renderer", renderer, "--size", "1280x720", "--out"])
+                .args(["--renderer", name, "--size", "1280x720", "--out"])
                 .arg(&picture);
             command.args(passed_on);
             setup::prepare_environment(&mut command)?;
-            match process::run(&format!("drawing with {renderer}"), &mut command) {
+            match process::run(&format!("drawing with {name}"), &mut command) {
                 Ok(()) => println!("{}", paths::shown(&picture)),
                 Err(message) => failures.push(message),
             }
@@ -101,22 +110,43 @@ fn draw_pictures(program: &Path, files: &[PathBuf], passed_on: &[String]) -> Out
     }
 }
 
-/// The ids of the renderers that the program found and can use.
-fn renderers(program: &Path) -> Outcome<Vec<String>> {
+/// Whether a file holds triangles.
+fn has_mesh(program: &Path, file: &Path) -> Outcome<bool> {
+    let mut command = Command::new(program);
+    command.args(["info", "--json"]).arg(file);
+    setup::prepare_environment(&mut command)?;
+    let json = process::output(&mut command)
+        .ok_or_else(|| format!("{} failed", process::line(&command)))?;
+    let objects = Value::parse(&json);
+    let objects = objects.iter().flat_map(|list| list.items());
+    let counts: Vec<_> = objects.map(|object| object.number("triangles")).collect();
+    Ok(!counts.is_empty() && counts.iter().all(|count| *count > Some(0.0)))
+}
+
+/// A renderer of the program's list.
+#[derive(Debug, PartialEq)]
+struct Renderer {
+    /// Its alias, or its id where there is none.
+    name: String,
+    needs_mesh: bool,
+}
+
+/// The renderers that the program found and can use.
+fn renderers(program: &Path) -> Outcome<Vec<Renderer>> {
     let mut command = Command::new(program);
     command.args(["plugins", "list", "--json"]);
     setup::prepare_environment(&mut command)?;
     let json = process::output(&mut command)
         .ok_or_else(|| format!("{} failed", process::line(&command)))?;
-    let ids = renderer_ids(&json);
-    if ids.is_empty() {
+    let renderers = renderers_of(&json);
+    if renderers.is_empty() {
         return Err(format!("{} named no renderer", process::line(&command)));
     }
-    Ok(ids)
+    Ok(renderers)
 }
 
-/// The aliases (ids where there is none) of the renderers in the program's list that it found fit for use.
-fn renderer_ids(json: &str) -> Vec<String> {
+/// The renderers in the program's list that it found fit for use.
+fn renderers_of(json: &str) -> Vec<Renderer> {
     let Some(list) = Value::parse(json) else {
         return Vec::new();
     };
@@ -124,10 +154,48 @@ fn renderer_ids(json: &str) -> Vec<String> {
         plugin.text("kind") == Some("renderer")
             && plugin.text("verdict").is_none_or(|verdict| verdict == "ok")
     };
-    let mut ids: Vec<String> = Vec::new();
+    let mut renderers: Vec<Renderer> = Vec::new();
     for plugin in list.all().into_iter().filter(usable) {
-        let id = plugin.text("alias").or_else(|| plugin.text("id"));
-        ids.extend(id.map(String::from).filter(|id| !ids.contains(id)));
+        let Some(name) = plugin.text("alias").or_else(|| plugin.text("id")) else {
+            continue;
+        };
+        if renderers.iter().all(|known| known.name != name) {
+            renderers.push(Renderer {
+                name: name.to_owned(),
+                needs_mesh: plugin
+                    .get("needs")
+                    .is_some_and(|needs| needs.is_true("mesh")),
+            });
+        }
     }
-    ids
+    renderers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn renderers_that_are_fit_for_use_are_named_with_what_they_need() {
+        let json = r#"[
+            {"file": "a.so", "plugins": [
+                {"kind": "renderer", "alias": "dots", "id": "org.a", "verdict": "ok", "needs": {"mesh": false}},
+                {"kind": "structure", "alias": "tree", "verdict": "ok"}
+            ]},
+            {"file": "b.so", "plugins": [
+                {"kind": "renderer", "id": "org.b", "needs": {"mesh": true}},
+                {"kind": "renderer", "alias": "bad", "verdict": "crashed"},
+                {"kind": "renderer", "alias": "dots"}
+            ]}
+        ]"#;
+        let renderer = |name: &str, needs_mesh| Renderer {
+            name: name.to_owned(),
+            needs_mesh,
+        };
+        assert_eq!(
+            renderers_of(json),
+            [renderer("dots", false), renderer("org.b", true)]
+        );
+        assert_eq!(renderers_of("not JSON"), []);
+    }
 }

@@ -223,19 +223,25 @@ fn planes_of(projection: &Projection) -> ([Vec4; PLANE_COUNT], u8) {
 
 /// The greatest singular value, never too small.
 fn greatest_stretch(linear: Mat3) -> f32 {
-    let square = linear.transpose() * linear;
-    let mut direction = Vec3::new(0.6, 0.5, 0.62);
-    for _ in 0..64 {
-        direction = (square * direction).normalize_or_zero();
+    // A high power of the matrix leaves of any vector the direction that is stretched most.
+    let mut power = linear.transpose() * linear;
+    for _ in 0..12 {
+        let greatest = power
+            .to_cols_array()
+            .into_iter()
+            .fold(0.0, |a: f32, b| a.max(b.abs()));
+        power = power * (1.0 / greatest.max(f32::MIN_POSITIVE));
+        power = power * power;
     }
-    let stretch = (linear * direction).length();
     let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
-    let longest = columns
+    let longest = columns.into_iter().map(Vec3::length).fold(0.0, f32::max);
+    let along = |start: Vec3| (linear * (power * start).normalize_or_zero()).length();
+    let stretch = [Vec3::X, Vec3::Y, Vec3::Z]
+        .map(along)
         .into_iter()
-        .map(Vec3::length)
-        .fold(stretch, f32::max);
-    // The iteration comes from below.
-    longest * (1.0 + 1e-5)
+        .fold(longest, f32::max);
+    // The power comes from below.
+    stretch * (1.0 + 1e-5)
 }
 
 /// Cosine and sine of every code.
@@ -248,4 +254,33 @@ fn cone_table() -> &'static [[f32; 2]; 256] {
             [cosine, sine]
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pointstage_plugin_api::glam::Quat;
+
+    #[test]
+    fn the_stretch_is_the_longest_half_axis_of_the_unit_spheres_image() {
+        for (scale, turn) in [
+            (Vec3::new(1.0, 1.0, 1.0), 0.3),
+            (Vec3::new(2.0, 1.99, 1.98), 0.7),
+            (Vec3::new(-0.3, 0.2, 0.35), 1.1),
+            (Vec3::new(1e-6, 3e-6, 2e-6), 0.1),
+            (Vec3::new(4e5, 1.0, 1e-3), 2.0),
+        ] {
+            let turn = Mat3::from_quat(Quat::from_euler(
+                pointstage_plugin_api::glam::EulerRot::XYZ,
+                turn,
+                0.4,
+                0.9,
+            ));
+            let linear = turn * Mat3::from_diagonal(scale) * turn.transpose();
+            let expected = scale.abs().max_element();
+            let found = greatest_stretch(linear);
+            assert!((found / expected - 1.0).abs() < 1e-4, "{found}, {expected}");
+            assert!(found >= expected * (1.0 - 1e-6), "{found}, {expected}");
+        }
+    }
 }
