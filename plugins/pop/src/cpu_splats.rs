@@ -26,6 +26,8 @@ pub(crate) struct Stage<'a> {
     tree: &'a Tree,
     /// Clip space from steps of the grid.
     clip_from_grid: Mat4,
+    /// Of z and w, what a unit along the view direction takes off.
+    away: Vec2,
     /// Of x and y: the slope of a ray is its place on the screen (-1 to 1), plus this, times that.
     slope_offset: Vec2,
     slope_factor: Vec2,
@@ -46,6 +48,8 @@ struct Images {
     half_y: [f32; 4],
     /// 0 for what is not seen.
     depth: [f32; 4],
+    /// How much less the depth of a disk's rim is.
+    fall: [f32; 4],
 }
 
 impl<'a> Stage<'a> {
@@ -65,6 +69,7 @@ impl<'a> Stage<'a> {
         Self {
             tree,
             clip_from_grid: clip_from_view * (view_from_object * object_from_grid),
+            away: Vec2::new(clip_from_view.z_axis.z, clip_from_view.z_axis.w),
             slope_offset: Vec2::new(clip_from_view.z_axis.x, clip_from_view.z_axis.y),
             slope_factor: Vec2::new(1.0 / x, 1.0 / y),
             size_px: Vec2::from_array(frame.tile_size_px),
@@ -95,6 +100,8 @@ impl<'a> Stage<'a> {
         let seen = clip_w.cmpgt(Vec4::ZERO) & depth.cmpgt(Vec4::ZERO) & depth.cmple(Vec4::ONE);
         let [ndc_x, ndc_y] = [clip_x * scale, clip_y * scale];
         let radius = Vec4::from_array(nodes.map(Node::radius)) * self.stretch;
+        // A radius farther along the view direction.
+        let rim = (clip_z - radius * self.away.x) / (clip_w - radius * self.away.y);
         let mut half_x = radius * self.pixels_per_unit;
         let mut half_y = half_x;
         if !self.is_orthographic {
@@ -114,6 +121,7 @@ impl<'a> Stage<'a> {
             half_x: half_x.to_array(),
             half_y: half_y.to_array(),
             depth: Vec4::select(seen, depth, Vec4::ZERO).to_array(),
+            fall: (depth - rim).to_array(),
         }
     }
 
@@ -133,21 +141,22 @@ impl<'a> Stage<'a> {
         for (lane, &number) in numbers.iter().enumerate().take(4) {
             let depth = images.depth[lane];
             if depth > 0.0 {
-                let value = u64::from(depth.to_bits()) << 32 | u64::from(self.base + 1 + number);
                 let centre = [images.x[lane], images.y[lane]];
                 let half = [images.half_x[lane], images.half_y[lane]];
-                self.fill(centre, half, value, width, pixels);
+                let fall = images.fall[lane];
+                let seen = (depth, fall, self.base + 1 + number);
+                self.fill(centre, half, seen, width, pixels);
             }
         }
     }
 
-    /// Offers a value to the pixels of a splat.
+    /// Offers a splat's depth and primitive to its pixels.
     #[inline]
     fn fill(
         &self,
         [x, y]: [f32; 2],
         [half_x, half_y]: [f32; 2],
-        value: u64,
+        (depth, fall, primitive): (f32, f32, u32),
         width: usize,
         pixels: &mut [u64],
     ) {
@@ -164,8 +173,16 @@ impl<'a> Stage<'a> {
             };
             for (column, pixel) in row.iter_mut().enumerate() {
                 let across = ((left + column) as f32 + 0.5 - x) * scale_x;
-                if !self.is_disk || across * across + down * down <= 1.0 {
-                    *pixel = (*pixel).max(value);
+                let share = across * across + down * down;
+                if share <= 1.0 || !self.is_disk {
+                    let depth = if self.is_disk {
+                        depth - fall * share
+                    } else {
+                        depth
+                    };
+                    // What falls behind the far plane is not seen.
+                    let bits = u64::from(depth.max(0.0).to_bits());
+                    *pixel = (*pixel).max(bits << 32 | u64::from(primitive));
                 }
             }
         }
