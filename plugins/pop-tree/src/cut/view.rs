@@ -230,8 +230,8 @@ fn greatest_stretch(linear: Mat3) -> f32 {
             .to_cols_array()
             .into_iter()
             .fold(0.0, |a: f32, b| a.max(b.abs()));
-        power = power * (1.0 / greatest.max(f32::MIN_POSITIVE));
-        power = power * power;
+        power *= 1.0 / greatest.max(f32::MIN_POSITIVE);
+        power *= power;
     }
     let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
     let longest = columns.into_iter().map(Vec3::length).fold(0.0, f32::max);
