@@ -118,7 +118,7 @@ fn has_mesh(program: &Path, file: &Path) -> Outcome<bool> {
     let json = process::output(&mut command)
         .ok_or_else(|| format!("{} failed", process::line(&command)))?;
     let objects = Value::parse(&json);
-    let objects = objects.iter().flat_map(|list| list.items());
+    let objects = objects.iter().flat_map(Value::items);
     let counts: Vec<_> = objects.map(|object| object.number("triangles")).collect();
     Ok(!counts.is_empty() && counts.iter().all(|count| *count > Some(0.0)))
 }
