@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use crate::{Outcome, paths, process};
 
-/// The names of the packages under `plugins/`, sorted.
+/// The names of the packages under `plugins/` that are plugins, with a manifest, and not what plugins share; sorted.
 pub(crate) fn plugin_packages() -> Outcome<Vec<String>> {
     let folder = paths::root().join("plugins");
     let entries =
@@ -17,6 +17,9 @@ pub(crate) fn plugin_packages() -> Outcome<Vec<String>> {
         let Ok(manifest) = std::fs::read_to_string(entry.path().join("Cargo.toml")) else {
             continue;
         };
+        if !entry.path().join("plugin.json").exists() {
+            continue;
+        }
         let name = manifest
             .lines()
             .find_map(|line| line.trim().strip_prefix("name = \"")?.strip_suffix('"'));
