@@ -11,6 +11,7 @@ use pointstage_plugin_api::gpu::{
     AsHandle as _, BindGroup, Buffer, Gpu, GroupRef, Recorder, Ticket,
 };
 use pointstage_pop_tree::cut::{View as CutView, ViewWords};
+use pointstage_visibility::group_size;
 use std::sync::Arc;
 
 /// Words before a list's entries.
@@ -245,7 +246,7 @@ impl DeviceCut {
         pass.set_bind_group(2, &uniforms.alone, &[uniform * STRIDE]);
         for (level, pair) in (0_u32..).zip(tree.level_starts.windows(2)) {
             pass.set_bind_group(3, &self.select_group, &[level * STRIDE]);
-            pass.dispatch_linear(pair[1] - pair[0], passes.group_size());
+            pass.dispatch_linear(pair[1] - pair[0], group_size(gpu));
         }
         drop(pass);
         let mut pass = recorder.compute_pass("draws of the selection");

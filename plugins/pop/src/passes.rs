@@ -8,7 +8,7 @@ use pointstage_plugin_api::gpu::{
 };
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
 use pointstage_plugin_api::{Error, Result};
-use pointstage_visibility::{Cache, Source, TargetSet, cached};
+use pointstage_visibility::{Cache, Source, TargetSet, cached, group_size, has_int64, is_wide};
 
 const MODULES: [Module<'static>; 3] = [
     Module::new("pop::tree", include_str!("../../../shaders/pop/tree.wesl")),
@@ -45,11 +45,6 @@ const SHADING: Module<'static> = Module::new(
     "pop::primitive_shading",
     include_str!("../../../shaders/pop/primitive_shading.wesl"),
 );
-
-/// Invocations of a workgroup.
-const GROUP: u32 = 256;
-/// The same where one thread runs a workgroup: fewer of them start.
-const WIDE_GROUP: u32 = 1024;
 
 /// The compute path's kernels, in the order that they run in over all trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -190,8 +185,7 @@ impl Passes {
 
     /// Kernels that run one after the other.
     pub(crate) fn kernel_order(&self) -> &'static [Kernel] {
-        let has = |feature| self.gpu.has_feature(feature);
-        if has("shader-int64") && has("shader-int64-atomic-min-max") {
+        if has_int64(&self.gpu) {
             &[Kernel::Whole]
         } else {
             &[Kernel::NearestDepth, Kernel::GreatestPrimitive]
@@ -201,8 +195,8 @@ impl Passes {
     /// Kernels of the compute path.
     pub(crate) fn compute(&self, kind: Kind, is_disk: bool, kernel: Kernel) -> Result<Kernels> {
         cached(&self.compute, (kind, is_disk, kernel), || {
-            let wgsl = link_compute(kind, is_disk, kernel, self.group_size() == WIDE_GROUP)
-                .map_err(Error::failed)?;
+            let wgsl =
+                link_compute(kind, is_disk, kernel, is_wide(&self.gpu)).map_err(Error::failed)?;
             let shader = self.gpu.shader("primitives, compute", &wgsl)?;
             let pipeline = |entry_point| {
                 self.gpu.compute_pipeline(&ComputePipelineOptions {
@@ -232,11 +226,10 @@ impl Passes {
     /// The kernels of the selection: of a level, and of the arguments of the draws.
     pub(crate) fn select(&self) -> Result<[ComputePipeline; 2]> {
         cached(&self.select, (), || {
-            let size = self.group_size();
             let link = |(module, wide)| link_select(module, wide).map_err(Error::failed);
             let level = self
                 .gpu
-                .shader("selection", &link((SELECT_LEVEL, size == WIDE_GROUP))?)?;
+                .shader("selection", &link((SELECT_LEVEL, is_wide(&self.gpu)))?)?;
             let draws = self
                 .gpu
                 .shader("draws of the selection", &link((SELECT_DRAWS, false))?)?;
@@ -256,7 +249,7 @@ impl Passes {
                 &self.uniform_layout,
                 &self.select_layout,
             ];
-            let constants = [("GROUP_SIZE", f64::from(size))];
+            let constants = [("GROUP_SIZE", f64::from(group_size(&self.gpu)))];
             Ok([
                 pipeline(&level, "select_level", &layouts, &[])?,
                 pipeline(&draws, "select_draws", &[&self.draws_layout], &constants)?,
@@ -314,20 +307,6 @@ impl Passes {
                 ..RenderPipelineOptions::new("primitive shading", &shader)
             })
         })
-    }
-
-    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shader.
-    pub(crate) fn group_size(&self) -> u32 {
-        let limits = [
-            "max_compute_invocations_per_workgroup",
-            "max_compute_workgroup_size_x",
-        ];
-        let fits = |limit| self.gpu.limit(limit) >= Some(WIDE_GROUP.into());
-        if self.gpu.is_software() && limits.into_iter().all(fits) {
-            WIDE_GROUP
-        } else {
-            GROUP
-        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::camera::{culling_view, projection_of};
 use crate::cpu_splats::{Pixels as SplatPixels, Stage as SplatStage};
 use crate::device_cut::LIST_HEAD;
 use crate::part_cut::PartCut;
-use crate::passes::{Kernel, Kind, Passes};
+use crate::passes::{Kind, Passes};
 use crate::record::{Count, Draw, Pixels, record_kernels, record_raster, record_shading};
 use crate::settings::{Method, Splats, Wanted, wanted_of};
 use crate::took::{Took, report};
@@ -14,7 +14,9 @@ use crate::visible::{Visible, pixel_bytes};
 use pointstage_plugin_api::abi::BufferUsage;
 use pointstage_plugin_api::gpu::{Buffer, ColourAttachment, DepthAttachment, Recorder};
 use pointstage_plugin_api::{DrawFlags, Error, Frame, Host, Outcome, Result, statistics};
-use pointstage_visibility::{DrawList, Path, PixelRectangle, Source, Targets};
+use pointstage_visibility::{
+    DrawList, Path, PixelRectangle, Source, Targets, group_size, has_int64,
+};
 
 /// The renderer in one viewport.
 pub struct PopView {
@@ -301,7 +303,7 @@ impl PopView {
                             group,
                             draw,
                             &kernels,
-                            passes.group_size(),
+                            group_size(&passes.gpu),
                             &bound,
                         );
                     }
@@ -460,7 +462,7 @@ const PIXELS_A_SPLAT: u64 = 16;
 /// Whether the CPU draws this many splats.
 fn splats_on_cpu(passes: &Passes, wanted: &Wanted, splats: u32, size_px: [u32; 2]) -> bool {
     // Without 64 bits at once the device's two kernels could not go on from what is there.
-    let can = *passes.kernel_order() == [Kernel::Whole] && splats > 0;
+    let can = has_int64(&passes.gpu) && splats > 0;
     let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
     let is_faster = passes.gpu.is_software() && u64::from(splats) * PIXELS_A_SPLAT > pixels;
     match wanted.splats {

@@ -208,28 +208,14 @@ impl Prepared {
         };
         Ok(Kernels {
             each: pipeline(each)?,
-            group_size: self.group_size(),
+            group_size: group_size(&self.gpu),
             large: pipeline(large)?,
         })
     }
 
-    /// Invocations of a workgroup of the compute kernels; `GROUP_SIZE` in the shaders.
-    fn group_size(&self) -> u32 {
-        let limits = [
-            "max_compute_invocations_per_workgroup",
-            "max_compute_workgroup_size_x",
-        ];
-        let fits = |limit| self.gpu.limit(limit) >= Some(WIDE_GROUP.into());
-        if self.gpu.is_software() && limits.into_iter().all(fits) {
-            WIDE_GROUP
-        } else {
-            GROUP
-        }
-    }
-
     /// Whether the compute kernels have large workgroups: the feature `wide` of their shaders.
     pub fn is_wide(&self) -> bool {
-        self.group_size() == WIDE_GROUP
+        is_wide(&self.gpu)
     }
 
     /// The shading pipeline for a set of targets.
@@ -256,6 +242,26 @@ impl Prepared {
         let wgsl = link(main, &[self.footprint.module()], features).map_err(Error::failed)?;
         self.gpu.shader(main.path, &wgsl)
     }
+}
+
+/// Invocations of a workgroup of compute kernels; `GROUP_SIZE` in the shaders.
+pub fn group_size(gpu: &Gpu) -> u32 {
+    if is_wide(gpu) { WIDE_GROUP } else { GROUP }
+}
+
+/// Whether compute kernels have large workgroups: the feature `wide` of their shaders.
+pub fn is_wide(gpu: &Gpu) -> bool {
+    let limits = [
+        "max_compute_invocations_per_workgroup",
+        "max_compute_workgroup_size_x",
+    ];
+    let fits = |limit| gpu.limit(limit) >= Some(WIDE_GROUP.into());
+    gpu.is_software() && limits.into_iter().all(fits)
+}
+
+/// Whether one 64-bit maximum can hold depth and id.
+pub fn has_int64(gpu: &Gpu) -> bool {
+    gpu.has_feature("shader-int64") && gpu.has_feature("shader-int64-atomic-min-max")
 }
 
 fn raster_features<'a>(footprint: &Footprint, features: &[&'a str], level: bool) -> Vec<&'a str> {

@@ -1,7 +1,7 @@
 //! One viewport: buffers of the picture's size, and the frame.
 
 use crate::draws::DrawList;
-use crate::pipelines::{Kernel, Kernels, Prepared, Source};
+use crate::pipelines::{Kernel, Kernels, Prepared, Source, has_int64};
 use crate::record::{record_compute, record_raster, record_shading};
 use crate::request::{Path, Request};
 use crate::targets::Targets;
@@ -394,11 +394,6 @@ fn compute_kernels(
         .iter()
         .map(|&kernel| prepared.compute(&features, kernel))
         .collect()
-}
-
-/// Whether one 64-bit maximum can hold depth and id.
-fn has_int64(gpu: &Gpu) -> bool {
-    gpu.has_feature("shader-int64") && gpu.has_feature("shader-int64-atomic-min-max")
 }
 
 /// Bytes of a pixel of the compute path: id and depth.
