@@ -105,5 +105,7 @@ fn hybrids_of_points_and_polygons_draw_as_before() -> Result<()> {
     }
     check_files(&files, "pop", "pop", &["--set", "threshold=3"])?;
     let coloured = ["--set", "threshold=3", "--set", "pop_colours=true"];
-    check_files(&files, "pop_colours", "pop", &coloured)
+    check_files(&files, "pop_colours", "pop", &coloured)?;
+    let blended = ["--set", "threshold=5", "--set", "splat=blended"];
+    check_files(&files, "pop_blended", "pop", &blended)
 }

@@ -65,7 +65,7 @@ fn reported(result: &FrameResult, key: &str) -> f64 {
 #[test]
 fn both_paths_agree() {
     let Some(mut stage) = stage() else { return };
-    let variants: [&[Setting]; 6] = [
+    let variants: [&[Setting]; 9] = [
         &[threshold(1.0)],
         &[threshold(3.0), ("splat", choice("disk"))],
         &[
@@ -76,6 +76,14 @@ fn both_paths_agree() {
         &[("method", choice("classic"))],
         &[("method", choice("points")), ("splat", choice("disk"))],
         &[threshold(2.0), on("pop_colours", true)],
+        &[threshold(3.0), ("splat", choice("blended"))],
+        &[("method", choice("points")), ("splat", choice("blended"))],
+        &[
+            threshold(4.0),
+            ("splat", choice("blended")),
+            ("shading", choice("gouraud")),
+            on("pop_colours", true),
+        ],
     ];
     let scene = two_balls();
     for settings in variants {
@@ -102,7 +110,14 @@ fn the_cpu_draws_the_splats_that_the_device_draws() {
         perspective(2.5 * EYE),
         orthographic(EYE, 2.5),
     ] {
-        for (width, shape) in [(2.5, "disk"), (4.0, "square"), (6.0, "disk")] {
+        let shapes = [
+            (2.5, "disk"),
+            (4.0, "square"),
+            (6.0, "disk"),
+            (3.0, "blended"),
+            (6.0, "blended"),
+        ];
+        for (width, shape) in shapes {
             let mut by = |path| {
                 let settings = [
                     threshold(width),
@@ -134,13 +149,17 @@ fn tiles_make_up_the_picture() {
     let Some(mut stage) = stage() else { return };
     let scene = two_balls();
     for camera in [perspective(EYE), orthographic(EYE, 2.5)] {
-        for path in ["raster", "compute", "cpu"] {
-            let request = request(
-                &scene,
-                camera,
-                "pop",
-                &[threshold(3.0), ("path", choice(path))],
-            );
+        let paths = ["raster", "compute", "cpu"];
+        for (path, shape) in paths
+            .into_iter()
+            .flat_map(|path| [(path, "disk"), (path, "blended")])
+        {
+            let settings = [
+                threshold(3.0),
+                ("path", choice(path)),
+                ("splat", choice(shape)),
+            ];
+            let request = request(&scene, camera, "pop", &settings);
             let whole = draw(&mut stage, &request);
             let tiles = in_tiles(&mut stage, &request, [117, 239]);
             let pairs = whole
@@ -154,7 +173,7 @@ fn tiles_make_up_the_picture() {
             // Rounding at edges, since a tile's projection has other numbers.
             assert!(
                 apart * 5_000 <= count,
-                "{path}: {apart} of {count} pixels differ"
+                "{path}, {shape}: {apart} of {count} pixels differ"
             );
         }
     }
@@ -295,6 +314,36 @@ fn at_one_pixel_the_hybrid_looks_like_the_mesh() {
         let hybrid = drawn(&mut stage, &scene, camera, &[threshold(1.0)]);
         let db = psnr(&classic, &hybrid);
         assert!(db >= 33.0, "{db:.1} dB from {distance}");
+    }
+}
+
+/// Inside the silhouette: outlines are the spheres', whatever the shape.
+#[test]
+fn blended_splats_look_more_like_the_mesh_than_disks_and_show_the_same_primitives() {
+    let Some(mut stage) = stage() else { return };
+    let scene = ball();
+    let camera = perspective(EYE);
+    let classic = drawn(&mut stage, &scene, camera, &[("method", choice("classic"))]);
+    for width in [3.0, 6.0] {
+        let mut with = |shape| {
+            let settings = [threshold(width), ("splat", choice(shape))];
+            drawn(&mut stage, &scene, camera, &settings)
+        };
+        let (disks, blended) = (with("disk"), with("blended"));
+        for target in ["kind", "id"] {
+            assert_eq!(uints(&disks, target), uints(&blended, target), "{target}");
+        }
+        let [disks, again] =
+            [&disks, &blended].map(|hybrid| interior_db(&classic, hybrid, SIZE_PX));
+        assert!(
+            again >= disks + 2.0,
+            "{again:.1} dB, disks {disks:.1} dB, {width} px"
+        );
+        assert_eq!(
+            with("blended").picture.rgba,
+            blended.picture.rgba,
+            "not the same again"
+        );
     }
 }
 

@@ -10,7 +10,7 @@ use pointstage_plugin_api::gpu::{
 use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{
     BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet, Targets,
-    VisibilityView, Visible, record_kernels, record_quads,
+    VisibilityView, Visible, blends_float32, record_kernels, record_quads,
 };
 
 /// Bytes of a pixel in each of the two buffers or textures of sums.
@@ -117,7 +117,7 @@ impl BlendedView {
 
     /// The path that the device can take: raster needs 32-bit blending, compute enough storage buffers.
     fn path(&mut self, gpu: &Gpu, wanted: Path) -> Path {
-        let blends = blends(gpu);
+        let blends = blends_float32(gpu);
         let binds = gpu.limit("max_storage_buffers_per_shader_stage") >= Some(STORAGE_BUFFERS);
         let (path, why) = match wanted {
             Path::Compute if !binds => (
@@ -145,7 +145,7 @@ impl BlendedView {
 
     /// Sums of this size, for the path.
     fn ready_sums(&mut self, gpu: &Gpu, size_px: [u32; 2], source: Source) -> Result<()> {
-        let format = if blends(gpu) {
+        let format = if blends_float32(gpu) {
             Format::RGBA32_FLOAT
         } else {
             Format::RGBA16_FLOAT
@@ -332,11 +332,6 @@ impl BlendedView {
         }
         Ok(())
     }
-}
-
-/// Whether the raster path can add up in 32-bit floats.
-fn blends(gpu: &Gpu) -> bool {
-    gpu.has_feature("float32-blendable")
 }
 
 /// All of a resource.

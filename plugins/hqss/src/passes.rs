@@ -9,7 +9,7 @@ use pointstage_plugin_api::gpu::{
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
 use pointstage_plugin_api::{Error, Result};
 use pointstage_visibility::{
-    Cache, Footprint, Kernels, Prepared, Source, TargetSet, Varying, cached,
+    Cache, Footprint, Kernels, Prepared, SUMS, Source, TargetSet, Varying, adds_int64, cached,
 };
 
 /// The splat's footprint, `shaders/hqss/splat.wesl`.
@@ -42,9 +42,6 @@ const NORMAL_SUMS: Blend = Blend {
     colour: Blend::ADD.colour,
     alpha: Blend::both(BlendFactor::ONE, BlendFactor::ONE, BlendOperation::MAX).alpha,
 };
-
-/// Feature of devices that add up 64 bits at once.
-const ADDS_64: &str = "shader-int64-atomic-all-ops";
 
 /// The pipelines.
 pub(crate) struct Passes {
@@ -139,11 +136,7 @@ impl Passes {
     /// The attribute pass of the compute path.
     pub(crate) fn compute(&self, features: &[&'static str]) -> Result<Kernels> {
         cached(&self.compute, features.to_vec(), || {
-            let adds = self
-                .visibility
-                .gpu
-                .has_feature(ADDS_64)
-                .then_some("int64_add");
+            let adds = adds_int64(&self.visibility.gpu).then_some("int64_add");
             let wide = self.visibility.is_wide().then_some("wide");
             let features: Vec<_> = features.iter().copied().chain(adds).chain(wide).collect();
             let wgsl = link_compute(&features).map_err(Error::failed)?;
@@ -197,7 +190,7 @@ pub(crate) fn link_raster(features: &[&str]) -> core::result::Result<String, Wgs
 }
 
 pub(crate) fn link_compute(features: &[&str]) -> core::result::Result<String, WgslError> {
-    link(ATTRIBUTES_COMPUTE, &[splat(), ATTRIBUTES], features)
+    link(ATTRIBUTES_COMPUTE, &[splat(), ATTRIBUTES, SUMS], features)
 }
 
 pub(crate) fn link_shading(

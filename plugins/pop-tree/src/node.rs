@@ -204,11 +204,17 @@ impl Node {
 
     /// Mean colour; sRGB, 0 to 1.
     pub fn colour(self) -> [f32; 3] {
-        let level = |word: u32, shift: u32, max: u32| (word >> shift & max) as f32 / max as f32;
+        let [red, green, blue] = self.colour_codes();
+        [red as f32 / 63.0, green as f32 / 127.0, blue as f32 / 63.0]
+    }
+
+    /// Codes of the mean colour: 6, 7 and 6 bits.
+    #[inline]
+    pub fn colour_codes(self) -> [usize; 3] {
         [
-            level(self.0[3], 20, 63),
-            level(self.0[2], 24, 127),
-            level(self.0[3], 26, 63),
+            (self.0[3] >> 20 & 63) as usize,
+            (self.0[2] >> 24 & 127) as usize,
+            (self.0[3] >> 26 & 63) as usize,
         ]
     }
 

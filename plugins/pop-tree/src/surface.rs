@@ -13,15 +13,19 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Of a mesh; triangles whose vertices do not exist are left out.
-    pub fn of(mesh: &Mesh<'_>) -> Self {
+    /// Of a mesh; triangles whose vertices do not exist are left out. None if `goes_on`, which is asked every few milliseconds, says
+    /// no.
+    pub fn of(mesh: &Mesh<'_>, goes_on: &dyn Fn() -> bool) -> Option<Self> {
         let first = mesh
             .triangles
             .first()
             .and_then(|triangle| mesh.position(triangle[0]));
         let origin = first.unwrap_or_default().as_dvec3();
         let (mut edges, mut volume) = (0_u64, 0.0);
-        for triangle in mesh.triangles {
+        for (number, triangle) in mesh.triangles.iter().enumerate() {
+            if number % ASK_EVERY == 0 && !goes_on() {
+                return None;
+            }
             let [a, b, c] = *triangle;
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 edges = edges.wrapping_add(edge_sign(from, to));
@@ -37,12 +41,15 @@ impl Surface {
             let sign = if across.dot(mean) < 0.0 { -1.0 } else { 1.0 };
             volume += sign * across.dot(pa);
         }
-        Self {
+        Some(Self {
             is_closed: edges == 0,
             is_inward: volume < 0.0,
-        }
+        })
     }
 }
+
+/// Triangles from one question whether to go on to the next.
+const ASK_EVERY: usize = 1 << 16;
 
 /// A number for an edge, and its negative for the way back; 0 for an edge without length. The sum over a surface is 0 if
 /// the edges cancel, and otherwise only by a chance of one in 2⁶⁴.
@@ -82,11 +89,16 @@ mod tests {
             normals: None,
             colours: None,
         }];
-        Surface::of(&Mesh {
+        let mesh = Mesh {
             block_size: 4,
             blocks: &blocks,
             triangles,
-        })
+        };
+        assert_eq!(
+            Surface::of(&mesh, &|| triangles.is_empty()).is_some(),
+            triangles.is_empty()
+        );
+        Surface::of(&mesh, &|| true).unwrap()
     }
 
     #[test]

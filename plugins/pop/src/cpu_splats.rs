@@ -1,23 +1,57 @@
-//! Splats drawn on the CPU: several times as fast as a software device, which does the same on the same cores. The twin of
-//! `shaders/pop/splat.wesl` and of the splats of `shaders/pop/primitives_compute.wesl`.
+//! Splats on the CPU: where a tree's nodes are seen, four at a time, and what they look like. The twin of
+//! `shaders/pop/splat.wesl` and `shaders/pop/blending.wesl`.
 
-use pointstage_plugin_api::FrameUniform;
-use pointstage_plugin_api::glam::{Mat4, Vec2, Vec3, Vec4};
+use pointstage_plugin_api::abi::DrawUniform;
+use pointstage_plugin_api::columns::linear_from_srgb;
+use pointstage_plugin_api::glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
+use pointstage_plugin_api::{DrawFlags, FrameUniform};
 use pointstage_pop_tree::{Node, Tree};
-use std::sync::{Mutex, PoisonError};
-use std::thread;
 
-/// Splats that a thread takes at a time.
-const SHARE: usize = 8_192;
+/// Radius of the kernel of blended splats, in radii of the splat; `REACH` of the shader.
+pub(crate) const REACH: f32 = 1.5;
+/// How far behind the visible surface others blend with it, in radii; `DEEP` of the shader.
+const DEEP: f32 = 1.0;
+/// Weight of what shows its back; `BACK` of the shader.
+const BACK: f32 = 1.0 / 32.0;
 
-/// Primitive (lower half) and bits of the depth (upper half) of each pixel, rows from the top; 0 where nothing is. What is
-/// greater is nearer, as in the buffer of the compute path.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Pixels {
-    width: usize,
-    nearest: Vec<u64>,
-    /// Those of other threads, until they are joined.
-    others: Vec<Vec<u64>>,
+/// Linear: red of the host's picture of kinds; `SPLAT_COLOUR` of the shader.
+pub(crate) const SPLAT_COLOUR: Vec3 = Vec3::new(0.672, 0.020, 0.021);
+
+/// Where a splat is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Footprint {
+    /// px.
+    pub(crate) centre: Vec2,
+    /// Half-widths; px.
+    pub(crate) half: Vec2,
+    pub(crate) depth: f32,
+    /// How much less the depth of a disk's rim is.
+    pub(crate) fall: f32,
+    /// Of the node.
+    pub(crate) number: u32,
+}
+
+/// What a splat gives the pixels round it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gift {
+    /// Linear, and 1.
+    pub(crate) colour: Vec4,
+    /// (normal + 1)/2, view space, and 0.
+    pub(crate) normal: Vec4,
+    /// Weight at the centre.
+    pub(crate) peak: f32,
+}
+
+/// How a tree's nodes look, for splats that blend.
+#[derive(Clone, Debug)]
+pub(crate) struct Look {
+    view_from_object_normal: Mat3,
+    /// Linear; of all nodes.
+    colour: Option<Vec3>,
+    is_two_sided: bool,
+    /// Linear, by the codes of red and blue, and of green.
+    red_blue: [f32; 64],
+    green: [f32; 128],
 }
 
 /// How splats of a tree come to the screen.
@@ -35,8 +69,9 @@ pub(crate) struct Stage<'a> {
     pixels_per_unit: f32,
     is_orthographic: bool,
     stretch: f32,
-    is_disk: bool,
     base: u32,
+    view_from_grid: Mat4,
+    look: Look,
 }
 
 /// The images of four nodes' spheres.
@@ -58,17 +93,19 @@ impl<'a> Stage<'a> {
     pub(crate) fn new(
         tree: &'a Tree,
         frame: &FrameUniform,
-        view_from_object: &[[f32; 4]; 4],
-        (stretch, base, is_disk): (f32, u32, bool),
+        draw: &DrawUniform,
+        (stretch, base): (f32, u32),
+        look: Look,
     ) -> Self {
         let clip_from_view = Mat4::from_cols_array_2d(&frame.clip_from_view);
-        let view_from_object = Mat4::from_cols_array_2d(view_from_object);
+        let view_from_object = Mat4::from_cols_array_2d(&draw.view_from_object);
         let object_from_grid = Mat4::from_translation(Vec3::from_array(tree.grid.origin))
             * Mat4::from_scale(Vec3::splat(tree.grid.step));
+        let view_from_grid = view_from_object * object_from_grid;
         let [x, y] = [clip_from_view.x_axis.x, clip_from_view.y_axis.y];
         Self {
             tree,
-            clip_from_grid: clip_from_view * (view_from_object * object_from_grid),
+            clip_from_grid: clip_from_view * view_from_grid,
             away: Vec2::new(clip_from_view.z_axis.z, clip_from_view.z_axis.w),
             slope_offset: Vec2::new(clip_from_view.z_axis.x, clip_from_view.z_axis.y),
             slope_factor: Vec2::new(1.0 / x, 1.0 / y),
@@ -76,8 +113,9 @@ impl<'a> Stage<'a> {
             pixels_per_unit: frame.pixels_per_unit,
             is_orthographic: frame.is_orthographic != 0,
             stretch,
-            is_disk,
             base,
+            view_from_grid,
+            look,
         }
     }
 
@@ -125,131 +163,93 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Offers the splats of up to four nodes to the pixels that they cover.
+    /// The primitive of a node.
     #[inline]
-    fn draw(&self, numbers: &[u32], width: usize, pixels: &mut [u64]) {
+    pub(crate) fn primitive(&self, node: u32) -> u32 {
+        self.base + 1 + node
+    }
+
+    fn node(&self, number: u32) -> Node {
+        let node = self.tree.nodes.get(number as usize);
+        node.copied().unwrap_or_default()
+    }
+
+    /// Where up to four nodes are seen, those that are.
+    #[inline]
+    pub(crate) fn footprints(&self, numbers: &[u32]) -> impl Iterator<Item = Footprint> {
         let mut nodes = [Node::default(); 4];
         for (node, &number) in nodes.iter_mut().zip(numbers) {
-            *node = self
-                .tree
-                .nodes
-                .get(number as usize)
-                .copied()
-                .unwrap_or_default();
+            *node = self.node(number);
         }
         let images = self.images(&nodes);
-        for (lane, &number) in numbers.iter().enumerate().take(4) {
+        let lanes = numbers.iter().enumerate().take(4);
+        lanes.filter_map(move |(lane, &number)| {
             let depth = images.depth[lane];
-            if depth > 0.0 {
-                let centre = [images.x[lane], images.y[lane]];
-                let half = [images.half_x[lane], images.half_y[lane]];
-                let fall = images.fall[lane];
-                let seen = (depth, fall, self.base + 1 + number);
-                self.fill(centre, half, seen, width, pixels);
-            }
-        }
+            (depth > 0.0).then(|| Footprint {
+                centre: Vec2::new(images.x[lane], images.y[lane]),
+                half: Vec2::new(images.half_x[lane], images.half_y[lane]),
+                depth,
+                fall: images.fall[lane],
+                number,
+            })
+        })
     }
 
-    /// Offers a splat's depth and primitive to its pixels.
+    /// The nearest depth that may be visible where a splat has a part.
     #[inline]
-    fn fill(
-        &self,
-        [x, y]: [f32; 2],
-        [half_x, half_y]: [f32; 2],
-        (depth, fall, primitive): (f32, f32, u32),
-        width: usize,
-        pixels: &mut [u64],
-    ) {
-        // Pixels whose centres lie within; casts of what is not finite end at the bounds.
-        let [left, top] = [ceil(x - half_x - 0.5), ceil(y - half_y - 0.5)];
-        let right = ceil_past((x + half_x).min(self.size_px.x) - 0.5);
-        let bottom = ceil_past((y + half_y).min(self.size_px.y) - 0.5);
-        let [scale_x, scale_y] = [1.0 / half_x, 1.0 / half_y];
-        for row in top..bottom {
-            let down = (row as f32 + 0.5 - y) * scale_y;
-            let start = row * width;
-            let Some(row) = pixels.get_mut(start + left..start + right.max(left)) else {
-                return;
-            };
-            for (column, pixel) in row.iter_mut().enumerate() {
-                let across = ((left + column) as f32 + 0.5 - x) * scale_x;
-                let share = across * across + down * down;
-                if share <= 1.0 || !self.is_disk {
-                    let depth = if self.is_disk {
-                        depth - fall * share
-                    } else {
-                        depth
-                    };
-                    // What falls behind the far plane is not seen.
-                    let bits = u64::from(depth.max(0.0).to_bits());
-                    *pixel = (*pixel).max(bits << 32 | u64::from(primitive));
-                }
-            }
-        }
-    }
-}
-
-/// The least whole number that is not below `edge`; 0 for anything below 0.
-#[inline]
-fn ceil(edge: f32) -> usize {
-    let whole = edge as usize;
-    whole + usize::from(edge > whole as f32)
-}
-
-/// The first whole number above the greatest that is not above `edge`; 0 for anything below 0.
-#[inline]
-fn ceil_past(edge: f32) -> usize {
-    if edge >= 0.0 { edge as usize + 1 } else { 0 }
-}
-
-impl Pixels {
-    /// Empties all pixels.
-    pub(crate) fn clear(&mut self, size_px: [u32; 2]) {
-        let [width, height] = size_px.map(|size| size as usize);
-        self.width = width;
-        self.nearest.clear();
-        self.nearest.resize(width * height, 0);
+    pub(crate) fn blends_until(footprint: &Footprint) -> f32 {
+        footprint.depth + DEEP * footprint.fall
     }
 
-    /// All pixels.
-    pub(crate) fn nearest(&self) -> &[u64] {
-        &self.nearest
-    }
-
-    /// Draws nodes of a tree, on up to `thread_count` threads.
-    pub(crate) fn draw(&mut self, stage: &Stage<'_>, nodes: &[u32], thread_count: usize) {
-        let shares = Mutex::new(nodes.chunks(SHARE));
-        let (width, count) = (self.width, self.nearest.len());
-        let work = |pixels: &mut Vec<u64>| {
-            loop {
-                let share = shares.lock().unwrap_or_else(PoisonError::into_inner).next();
-                let Some(share) = share else { return };
-                if pixels.is_empty() {
-                    pixels.resize(count, 0);
-                }
-                for numbers in share.chunks(4) {
-                    stage.draw(numbers, width, pixels);
-                }
-            }
+    /// What a splat gives the pixels round it.
+    #[inline]
+    pub(crate) fn gift(&self, footprint: &Footprint) -> Gift {
+        let look = &self.look;
+        let node = self.node(footprint.number);
+        let centre = node.place().as_ivec3().as_vec3();
+        let to_eye = if self.is_orthographic {
+            Vec3::Z
+        } else {
+            -self.view_from_grid.transform_point3(centre)
         };
-        let more_threads = thread_count
-            .min(nodes.len().div_ceil(SHARE))
-            .saturating_sub(1);
-        self.others.resize(more_threads, Vec::new());
-        thread::scope(|scope| {
-            for pixels in &mut self.others {
-                pixels.clear();
-                // Without a thread the others do its work.
-                let _ = thread::Builder::new()
-                    .name("pop".into())
-                    .spawn_scoped(scope, || work(pixels));
-            }
-            work(&mut self.nearest);
-        });
-        for other in self.others.iter().filter(|other| !other.is_empty()) {
-            for (nearest, other) in self.nearest.iter_mut().zip(other) {
-                *nearest = (*nearest).max(*other);
-            }
+        let mut normal = (look.view_from_object_normal * node.normal()).normalize_or_zero();
+        let mut faces_away = normal.dot(to_eye) < 0.0;
+        if faces_away && look.is_two_sided {
+            normal = -normal;
+            faces_away = false;
         }
+        Gift {
+            colour: look.colour_of(node).extend(1.0),
+            normal: (0.5 * normal + 0.5).extend(0.0),
+            peak: if faces_away { BACK } else { 1.0 },
+        }
+    }
+}
+
+impl Look {
+    /// * `colour`: linear; of all nodes.
+    pub(crate) fn new(draw: &DrawUniform, colour: Option<Vec3>) -> Self {
+        let flags = DrawFlags(draw.flags);
+        let [red, green, blue, _] = draw.default_colour;
+        let default = Vec3::new(red, green, blue);
+        let has_colour = flags.contains(DrawFlags::HAS_COLOUR);
+        Self {
+            view_from_object_normal: Mat3::from_mat4(Mat4::from_cols_array_2d(
+                &draw.view_from_object_normal,
+            )),
+            colour: colour.or((!has_colour).then_some(default)),
+            is_two_sided: flags.contains(DrawFlags::TWO_SIDED),
+            red_blue: core::array::from_fn(|code| linear_from_srgb(code as f32 / 63.0)),
+            green: core::array::from_fn(|code| linear_from_srgb(code as f32 / 127.0)),
+        }
+    }
+
+    #[inline]
+    fn colour_of(&self, node: Node) -> Vec3 {
+        self.colour.unwrap_or_else(|| {
+            let [red, green, blue] = node.colour_codes();
+            let [red, blue] = [red, blue].map(|code| self.red_blue[code & 63]);
+            Vec3::new(red, self.green[green & 127], blue)
+        })
     }
 }

@@ -1,12 +1,16 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod blending;
 mod camera;
+mod cpu_pixels;
 mod cpu_splats;
 mod device_cut;
+mod layers;
 mod part;
 mod part_cut;
 mod passes;
+mod plan;
 mod prepare;
 mod record;
 mod settings;

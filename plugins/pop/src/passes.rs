@@ -1,5 +1,6 @@
 //! What all views share: layouts and pipelines, each made when it is first needed.
 
+use crate::blending::BlendingPasses;
 use crate::uniforms::STRIDE;
 use pointstage_plugin_api::abi::{Compare, Format, ShaderStages};
 use pointstage_plugin_api::gpu::{
@@ -10,7 +11,7 @@ use pointstage_plugin_api::wgsl::{Module, WgslError, link};
 use pointstage_plugin_api::{Error, Result};
 use pointstage_visibility::{Cache, Source, TargetSet, cached, group_size, has_int64, is_wide};
 
-const MODULES: [Module<'static>; 3] = [
+pub(crate) const MODULES: [Module<'static>; 5] = [
     Module::new("pop::tree", include_str!("../../../shaders/pop/tree.wesl")),
     Module::new(
         "pop::splat",
@@ -19,6 +20,14 @@ const MODULES: [Module<'static>; 3] = [
     Module::new(
         "pop::triangle",
         include_str!("../../../shaders/pop/triangle.wesl"),
+    ),
+    Module::new(
+        "pop::surface",
+        include_str!("../../../shaders/pop/surface.wesl"),
+    ),
+    Module::new(
+        "pop::blending",
+        include_str!("../../../shaders/pop/blending.wesl"),
     ),
 ];
 const COMPUTE: Module<'static> = Module::new(
@@ -57,6 +66,9 @@ pub(crate) enum Kernel {
     GreatestPrimitive,
 }
 
+/// Feature of the shading pass where splats are blended.
+pub(crate) const BLENDED: &str = "blended";
+
 /// What a draw draws: the features of the shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
@@ -81,7 +93,7 @@ pub(crate) struct Kernels {
 pub(crate) struct Passes {
     pub(crate) gpu: Gpu,
     /// Group 0.
-    frame_layout: BindGroupLayout,
+    pub(crate) frame_layout: BindGroupLayout,
     /// Group 1: nodes, triangles, positions, normals, colours.
     pub(crate) tree_layout: BindGroupLayout,
     /// Group 2: a tree's uniform, the list.
@@ -97,6 +109,7 @@ pub(crate) struct Passes {
     pub(crate) select_layout: BindGroupLayout,
     /// Group 0 of the selection's end: list, arguments.
     pub(crate) draws_layout: BindGroupLayout,
+    pub(crate) blending: BlendingPasses,
     select: Cache<(), [ComputePipeline; 2]>,
     compute: Cache<(Kind, bool, Kernel), Kernels>,
     raster: Cache<(Kind, bool), RenderPipeline>,
@@ -175,6 +188,7 @@ impl Passes {
                 "draws",
                 &[(0, compute, read), (1, compute, Binding::Storage)],
             )?,
+            blending: BlendingPasses::new(gpu)?,
             gpu: gpu.clone(),
             select: Cache::default(),
             compute: Cache::default(),
@@ -289,9 +303,11 @@ impl Passes {
         cached(&self.shading, (source, set, look.to_vec()), || {
             let wgsl = link_shading(source, set, look).map_err(Error::failed)?;
             let shader: Shader = self.gpu.shader("primitive shading", &wgsl)?;
-            let visible = match source {
-                Source::Ids => &self.textures_layout,
-                Source::Pixels => &self.visible_layout,
+            let visible = match (source, look.contains(&BLENDED)) {
+                (Source::Ids, false) => &self.textures_layout,
+                (Source::Ids, true) => &self.blending.textures_layout,
+                (Source::Pixels, false) => &self.visible_layout,
+                (Source::Pixels, true) => &self.blending.buffers_layout,
             };
             self.gpu.render_pipeline(&RenderPipelineOptions {
                 layouts: &[
@@ -358,13 +374,7 @@ pub(crate) fn link_shading(
     let slots = set.slots_module();
     let mut features = [&set.features(), look].concat();
     features.extend((source == Source::Pixels).then_some("pixels"));
-    let [tree, splat, triangle] = MODULES;
-    let modules = [
-        tree,
-        splat,
-        triangle,
-        Module::new("visibility::slots", &slots),
-    ];
+    let modules = [&MODULES[..], &[Module::new("visibility::slots", &slots)]].concat();
     link(SHADING, &modules, &features)
 }
 

@@ -74,27 +74,30 @@ fn new_parts(
     let Some(mesh) = mesh_of(object, &mut store) else {
         return Ok(Vec::new());
     };
-    let tree_of = |mesh: &Mesh<'_>| {
-        let make = || new_tree(host, object.name(), mesh, progress);
+    let tree_of = |mesh: &Mesh<'_>, share: [f32; 2]| {
+        let make = || new_tree(host, object.name(), mesh, (progress, share));
         if keeps_files {
             tree_cache::tree_of(host, object.name(), mesh, make)
         } else {
             make()
         }
     };
-    let surface = Surface::of(&mesh);
+    let goes_on = || !progress.is_cancelled();
+    let surface = Surface::of(&mesh, &goes_on).ok_or_else(Error::cancelled)?;
     let part = |mesh, tree, start: Instant| {
         let tree = (Arc::new(tree), surface);
         Part::new(passes, Origin::of(object), mesh, tree, start.elapsed()).map(Arc::new)
     };
     if object.blocks().len() == 1 && fits(&passes.gpu, mesh.triangles.len()) {
         let start = Instant::now();
-        let tree = tree_of(&mesh)?;
+        let tree = tree_of(&mesh, [0.0, 1.0])?;
         return Ok(vec![part(DeviceMesh::shared(object)?, tree, start)?]);
     }
     progress.set(0.0, "splitting");
     let mut parts = Vec::new();
-    for piece in pieces(&mesh, MOST_IN_A_PIECE, &|| progress.check())? {
+    let pieces = pieces(&mesh, MOST_IN_A_PIECE, &|| progress.check())?;
+    let a_piece = 1.0 / pieces.len().max(1) as f32;
+    for (number, piece) in pieces.into_iter().enumerate() {
         let start = Instant::now();
         let some = |column| (!<[u32]>::is_empty(column)).then_some(column);
         let block = VertexBlock {
@@ -102,11 +105,12 @@ fn new_parts(
             normals: some(&piece.normals),
             colours: some(&piece.colours),
         };
-        let tree = tree_of(&Mesh {
+        let mesh = Mesh {
             block_size: u32::MAX,
             blocks: &[block],
             triangles: &piece.triangles,
-        })?;
+        };
+        let tree = tree_of(&mesh, [number as f32 * a_piece, a_piece])?;
         parts.push(part(
             DeviceMesh::uploaded(&passes.gpu, &piece)?,
             tree,
@@ -129,9 +133,16 @@ fn fits(gpu: &Gpu, triangle_count: usize) -> bool {
 }
 
 /// A new tree.
-fn new_tree(host: &Host, name: &str, mesh: &Mesh<'_>, progress: &Progress<'_>) -> Result<Tree> {
-    let mut report = |fraction, stage: &str| {
-        progress.set(fraction, stage);
+///
+/// * `start`, `share`: where its part of the whole progress begins, and how much of it that is.
+fn new_tree(
+    host: &Host,
+    name: &str,
+    mesh: &Mesh<'_>,
+    (progress, [start, share]): (&Progress<'_>, [f32; 2]),
+) -> Result<Tree> {
+    let mut report = |fraction: f32, stage: &str| {
+        progress.set(start + share * fraction, stage);
         !progress.is_cancelled()
     };
     build(mesh, host.thread_count(), &mut report).map_err(|error| match error {

@@ -4,8 +4,8 @@ use crate::passes::{Kernels, Kind};
 use crate::uniforms::STRIDE;
 use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
 use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef,
-    Recorder, RenderPass, RenderPipeline,
+    AsHandle as _, BindGroup, Buffer, ColourAttachment, ComputePass, ComputePipeline,
+    DepthAttachment, GroupRef, Recorder, RenderPass, RenderPipeline,
 };
 use pointstage_visibility::{PixelRectangle, TargetSet, Targets};
 
@@ -84,14 +84,7 @@ pub(crate) fn record_kernels(
     let mut pass = recorder.compute_pass(label(draw.kind));
     pass.set_pipeline(&kernels.each);
     bind(&mut pass);
-    match draw.count {
-        Count::Known(count) => pass.dispatch_linear(count, group_size),
-        Count::OnDevice {
-            arguments,
-            dispatch,
-            ..
-        } => pass.dispatch_indirect(arguments, dispatch),
-    }
+    dispatch(&mut pass, draw.count, group_size);
     drop(pass);
     let Some(large) = &kernels.large else { return };
     // A buffer cannot be written and give a dispatch its arguments at once.
@@ -106,6 +99,36 @@ pub(crate) fn record_kernels(
     pass.set_pipeline(large);
     bind(&mut pass);
     pass.dispatch_indirect(pixels.arguments, 0);
+}
+
+/// What the splats of one draw give their pixels.
+///
+/// * `adding`: group 3.
+pub(crate) fn record_sums(
+    recorder: &mut Recorder,
+    frame: GroupRef,
+    draw: &Draw<'_>,
+    kernel: &ComputePipeline,
+    group_size: u32,
+    adding: &BindGroup,
+) {
+    let mut pass = recorder.compute_pass("blended splats");
+    pass.set_pipeline(kernel);
+    bind!(pass, frame, draw);
+    pass.set_bind_group(3, adding, &[]);
+    dispatch(&mut pass, draw.count, group_size);
+}
+
+/// An invocation for each primitive.
+fn dispatch(pass: &mut ComputePass<'_>, count: Count<'_>, group_size: u32) {
+    match count {
+        Count::Known(count) => pass.dispatch_linear(count, group_size),
+        Count::OnDevice {
+            arguments,
+            dispatch,
+            ..
+        } => pass.dispatch_indirect(arguments, dispatch),
+    }
 }
 
 /// One draw of the raster path's pass.

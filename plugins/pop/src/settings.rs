@@ -48,13 +48,24 @@ pub(crate) enum Splats {
     OnDevice,
 }
 
+/// What a splat looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    /// A square of one depth and one colour.
+    Square,
+    /// A disk of one colour.
+    Disk,
+    /// A disk that blends with others and with triangles.
+    Blended,
+}
+
 /// How the user wants a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wanted {
     pub(crate) method: Method,
     /// Greatest width of a splat; px.
     pub(crate) threshold_px: f32,
-    pub(crate) is_disk: bool,
+    pub(crate) shape: Shape,
     pub(crate) is_gouraud: bool,
     pub(crate) has_pop_colours: bool,
     pub(crate) culling: Culling,
@@ -76,7 +87,11 @@ pub(crate) fn wanted_of(settings: Settings<'_>) -> Result<Wanted> {
             _ => Method::Pop,
         },
         threshold_px: settings.float("threshold")?,
-        is_disk: settings.choice("splat")? == "disk",
+        shape: match settings.choice("splat")? {
+            "square" => Shape::Square,
+            "blended" => Shape::Blended,
+            _ => Shape::Disk,
+        },
         is_gouraud: settings.choice("shading")? == "gouraud",
         has_pop_colours: settings.bool("pop_colours")?,
         culling: match settings.choice("cull_backs")? {
@@ -104,4 +119,16 @@ pub(crate) fn wanted_of(settings: Settings<'_>) -> Result<Wanted> {
             _ => Splats::OnDevice,
         },
     })
+}
+
+impl Wanted {
+    /// Whether splats are round.
+    pub(crate) fn is_disk(&self) -> bool {
+        self.shape != Shape::Square
+    }
+
+    /// Whether splats blend; no splat is drawn of a whole mesh.
+    pub(crate) fn is_blended(&self) -> bool {
+        self.shape == Shape::Blended && self.method != Method::Classic
+    }
 }

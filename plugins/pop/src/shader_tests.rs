@@ -3,6 +3,7 @@
 #[path = "../../visibility/src/shader_checks.rs"]
 mod shader_checks;
 
+use crate::blending;
 use crate::passes::{Kernel, Kind, link_compute, link_raster, link_shading, linked_selection};
 use crate::uniforms::TreeUniform;
 use core::mem::offset_of;
@@ -20,12 +21,15 @@ const KERNELS: [Kernel; 3] = [
     Kernel::NearestDepth,
     Kernel::GreatestPrimitive,
 ];
-const LOOKS: [&[&str]; 5] = [
+const LOOKS: [&[&str]; 8] = [
     &["nodes", "triangles"],
     &["triangles", "gouraud"],
     &["nodes", "pop_colours"],
     &["nodes", "triangles", "gouraud", "pop_colours"],
     &["points", "pop_colours"],
+    &["nodes", "triangles", "blended"],
+    &["points", "blended", "pop_colours"],
+    &["nodes", "blended", "gouraud"],
 ];
 
 #[test]
@@ -81,6 +85,20 @@ fn the_shading_pass_validates() {
             let look = looks.next().unwrap();
             let wgsl = link_shading(source, set, look).unwrap();
             validated(&format!("shading {set:?} {source:?} {look:?}"), &wgsl);
+        }
+    }
+}
+
+#[test]
+fn the_attribute_passes_of_blended_splats_validate() {
+    for kind in [Kind::Splats, Kind::Points] {
+        for flag in [false, true] {
+            let raster = blending::link_raster(kind, flag).unwrap();
+            validated(&format!("blended {kind:?} {flag}, raster"), &raster);
+            for adds_64 in [false, true] {
+                let compute = blending::link_compute(kind, flag, adds_64, !flag).unwrap();
+                validated(&format!("blended {kind:?} {flag}, compute"), &compute);
+            }
         }
     }
 }

@@ -1,22 +1,22 @@
 //! One viewport: the last cut, lists, buffers of the picture's size; and the frame.
 
 use crate::Pop;
-use crate::camera::{culling_view, projection_of};
-use crate::cpu_splats::{Pixels as SplatPixels, Stage as SplatStage};
-use crate::device_cut::LIST_HEAD;
+use crate::blending::binds_enough;
+use crate::cpu_pixels::{Kind as SplatKind, Pixels as SplatPixels};
+use crate::cpu_splats::{Look as SplatLook, SPLAT_COLOUR, Stage as SplatStage};
+use crate::layers::Layers;
 use crate::part_cut::PartCut;
-use crate::passes::{Kind, Passes};
-use crate::record::{Count, Draw, Pixels, record_kernels, record_raster, record_shading};
-use crate::settings::{Method, Splats, Wanted, wanted_of};
+use crate::passes::{BLENDED, Kind, Passes};
+use crate::plan::{Planned, plan};
+use crate::record::{Count, Draw, record_shading};
+use crate::settings::{Wanted, wanted_of};
 use crate::took::{Took, report};
-use crate::uniforms::{STRIDE, TreeUniform};
-use crate::visible::{Visible, pixel_bytes};
+use crate::uniforms::STRIDE;
+use crate::visible::{Visible, buffer_bytes};
 use pointstage_plugin_api::abi::BufferUsage;
-use pointstage_plugin_api::gpu::{Buffer, ColourAttachment, DepthAttachment, Recorder};
-use pointstage_plugin_api::{DrawFlags, Error, Frame, Host, Outcome, Result, statistics};
-use pointstage_visibility::{
-    DrawList, Path, PixelRectangle, Source, Targets, group_size, has_int64,
-};
+use pointstage_plugin_api::gpu::{Buffer, Recorder};
+use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
+use pointstage_visibility::{Path, Source, Targets};
 
 /// The renderer in one viewport.
 pub struct PopView {
@@ -28,19 +28,6 @@ pub struct PopView {
     /// Splats that the CPU draws.
     splats: SplatPixels,
     warned: bool,
-}
-
-/// What is drawn of a part.
-struct Planned {
-    kind: Kind,
-    /// How many; none if the device counts them.
-    count: Option<u32>,
-    /// Which part, and which draw of the frame.
-    part: usize,
-    draw_offset: u32,
-    pixels: PixelRectangle,
-    /// If the CPU draws them: view space from object space.
-    on_cpu: Option<[[f32; 4]; 4]>,
 }
 
 impl PopView {
@@ -68,156 +55,19 @@ impl PopView {
         let wanted = wanted_of(frame.settings())?;
         let targets = Targets::of(frame);
         let mut took = Took::default();
-        let source = self.source_of(&prepared.passes, frame.size_px(), wanted.path);
-        let (planned, uniforms) = self.plan(prepared, frame, (&wanted, source), &mut took)?;
+        let source = self.source_of(&prepared.passes, frame.size_px(), &wanted);
+        let planned = plan(
+            prepared,
+            frame,
+            (&wanted, source),
+            &mut self.cuts,
+            &mut took,
+        )?;
         if !targets.all().is_empty() && !planned.is_empty() {
-            self.record(
-                prepared,
-                frame,
-                (&wanted, source),
-                &targets,
-                (&planned, &uniforms),
-            )?;
+            self.record(prepared, frame, (&wanted, source), &targets, &planned)?;
         }
         report(frame, prepared, &took);
         Ok(Outcome::Done)
-    }
-
-    /// Cuts the trees; what to draw, and the uniforms of the draws in their order.
-    fn plan(
-        &mut self,
-        prepared: &Pop,
-        frame: &Frame<'_>,
-        (wanted, source): (&Wanted, Source),
-        took: &mut Took,
-    ) -> Result<(Vec<Planned>, Vec<TreeUniform>)> {
-        // Splats reach a little beyond the object's bounds.
-        let blocks = DrawList::of(frame, Some(2.0 * wanted.threshold_px + 1.0)).blocks;
-        let (mut planned, mut uniforms) = (Vec::new(), Vec::new());
-        let mut base = 0_u32;
-        self.cuts
-            .resize_with(prepared.parts.len(), PartCut::default);
-        for (number, part) in prepared.parts.iter().enumerate() {
-            let of_part = |draw: &pointstage_plugin_api::Draw<'_>| {
-                draw.object()
-                    .is_some_and(|object| part.origin.is_of(object))
-            };
-            let Some(draw) = frame.selection().find(of_part) else {
-                continue;
-            };
-            let pixels = blocks
-                .iter()
-                .find(|block| block.id_base == draw.uniform().id_base)
-                .map_or(
-                    PixelRectangle {
-                        origin: [0, 0],
-                        size: frame.size_px(),
-                    },
-                    |block| block.pixels,
-                );
-            let mut uniform = TreeUniform::of(part, base);
-            uniform.point_px = wanted.threshold_px;
-            let primitives = [
-                part.tree.nodes.len() as u64,
-                u64::from(part.triangle_count),
-                u64::from(part.vertex_count),
-            ];
-            let next = u64::from(base) + primitives.iter().sum::<u64>();
-            base = u32::try_from(next).map_err(|_| {
-                Error::failed("the meshes have more nodes, triangles and vertices than 32 bits count: hide some of them")
-            })?;
-            let two_sided = draw.flags().contains(DrawFlags::TWO_SIDED);
-            let projection =
-                projection_of(frame.uniform(), &draw.uniform().view_from_object, wanted);
-            let view = culling_view(&projection, part, wanted.culling, two_sided);
-            uniform.stretch = view.stretch();
-            let draw_matrix = draw.uniform().view_from_object;
-            let mut add = |kind, count: Option<u32>, uniform| {
-                if count != Some(0) {
-                    let draw_offset = draw.uniform_offset();
-                    planned.push(Planned {
-                        kind,
-                        count,
-                        part: number,
-                        draw_offset,
-                        pixels,
-                        on_cpu: None,
-                    });
-                    uniforms.push(uniform);
-                }
-            };
-            match wanted.method {
-                Method::Classic => {
-                    took.triangles += u64::from(part.triangle_count);
-                    add(Kind::AllTriangles, Some(part.triangle_count), uniform);
-                }
-                Method::Points => {
-                    took.splats += u64::from(part.vertex_count);
-                    add(Kind::Points, Some(part.vertex_count), uniform);
-                }
-                Method::Pop => {
-                    let cut = &mut self.cuts[number];
-                    if cut.starts_on_device(&prepared.passes, part, &view, wanted.walk)? {
-                        let triangles_first = cut.look(took)?;
-                        let list_first = LIST_HEAD;
-                        add(
-                            Kind::Splats,
-                            None,
-                            TreeUniform {
-                                count_at: 0,
-                                list_first,
-                                ..uniform
-                            },
-                        );
-                        let (list_first, list_step) = (triangles_first, u32::MAX);
-                        add(
-                            Kind::Triangles,
-                            None,
-                            TreeUniform {
-                                count_at: 1,
-                                list_first,
-                                list_step,
-                                ..uniform
-                            },
-                        );
-                        continue;
-                    }
-                    let threads = frame.thread_count();
-                    let cut = cut.update(part, &view, wanted.keep, threads, took);
-                    let (splats, triangles) = (cut.splats.len() as u32, cut.triangles.len() as u32);
-                    let is_on_cpu = source == Source::Pixels
-                        && splats_on_cpu(&prepared.passes, wanted, splats, frame.size_px());
-                    let list_first = LIST_HEAD;
-                    add(
-                        Kind::Splats,
-                        Some(splats),
-                        TreeUniform {
-                            count_at: 0,
-                            list_first,
-                            ..uniform
-                        },
-                    );
-                    let list_first = LIST_HEAD + if is_on_cpu { 0 } else { splats };
-                    add(
-                        Kind::Triangles,
-                        Some(triangles),
-                        TreeUniform {
-                            count_at: 1,
-                            list_first,
-                            ..uniform
-                        },
-                    );
-                    self.cuts[number].lists_splats = !is_on_cpu;
-                    if is_on_cpu {
-                        let drawn = planned.iter_mut().filter(|draw| draw.part == number);
-                        for draw in drawn.filter(|draw| draw.kind == Kind::Splats) {
-                            draw.on_cpu = Some(draw_matrix);
-                        }
-                    }
-                }
-            }
-        }
-        Ok((planned, uniforms))
     }
 
     /// Records what is planned.
@@ -227,15 +77,15 @@ impl PopView {
         frame: &mut Frame<'_>,
         (wanted, source): (&Wanted, Source),
         targets: &Targets,
-        (planned, uniforms): (&[Planned], &[TreeUniform]),
+        planned: &[Planned],
     ) -> Result<()> {
         let passes = &*prepared.passes;
-        let uniform_buffer = self.write_uniforms(passes, uniforms)?;
+        let uniform_buffer = self.write_uniforms(passes, planned)?;
         for cut in &mut self.cuts {
             cut.ready_list(passes, &uniform_buffer)?;
         }
-        self.ready_visible(passes, frame.size_px(), source)?;
-        let has_splats = self.draw_on_cpu(prepared, frame, wanted, (planned, uniforms));
+        self.ready_visible(passes, frame.size_px(), source, wanted.is_blended())?;
+        let has_splats = self.draw_on_cpu(prepared, frame, wanted, planned);
         let missing = || Error::failed("the view's buffers were not made before recording");
         let mut recorder = Recorder::new();
         let group = frame.group();
@@ -276,60 +126,14 @@ impl PopView {
                 })
             })
             .collect::<Result<Vec<_>>>()?;
-        let shading = match visible {
-            Visible::Buffers {
-                pixels,
-                large,
-                arguments,
-                group: pixel_group,
-                shading,
-                ..
-            } => {
-                if has_splats {
-                    passes.gpu.write(pixels, 0, self.splats.nearest())?;
-                } else {
-                    recorder.clear_buffer(pixels);
-                }
-                let bound = Pixels {
-                    group: pixel_group,
-                    large,
-                    arguments,
-                };
-                for &kernel in passes.kernel_order() {
-                    for draw in draws.iter().filter(|draw| !draw.is_drawn) {
-                        let kernels = passes.compute(draw.kind, wanted.is_disk, kernel)?;
-                        record_kernels(
-                            &mut recorder,
-                            group,
-                            draw,
-                            &kernels,
-                            group_size(&passes.gpu),
-                            &bound,
-                        );
-                    }
-                }
-                shading
-            }
-            Visible::Textures {
-                primitives,
-                depth,
-                shading,
-                ..
-            } => {
-                let colours = [Some(ColourAttachment::clear(primitives, [0.0; 4]))];
-                let mut pass = recorder.render_pass(
-                    "primitives",
-                    &colours,
-                    Some(DepthAttachment::clear(depth)),
-                );
-                for draw in &draws {
-                    let pipeline = passes.raster(draw.kind, wanted.is_disk)?;
-                    record_raster(&mut pass, group, draw, &pipeline);
-                }
-                drop(pass);
-                shading
-            }
+        let layers = Layers {
+            passes,
+            frame: group,
+            wanted,
+            draws: &draws,
+            on_cpu: has_splats.then_some(&self.splats),
         };
+        let shading = layers.record(&mut recorder, visible)?;
         let set = targets.all();
         let draws_any = |kinds: &[Kind]| planned.iter().any(|draw| kinds.contains(&draw.kind));
         let mut look = Vec::new();
@@ -338,6 +142,7 @@ impl PopView {
         look.extend(draws_any(&[Kind::Points]).then_some("points"));
         look.extend(wanted.is_gouraud.then_some("gouraud"));
         look.extend(wanted.has_pop_colours.then_some("pop_colours"));
+        look.extend(wanted.is_blended().then_some(BLENDED));
         let pipeline = passes.shading(source, set, &look)?;
         record_shading(
             &mut recorder,
@@ -356,13 +161,13 @@ impl PopView {
     }
 
     /// Writes the uniforms of the draws; the buffer with them.
-    fn write_uniforms(&mut self, passes: &Passes, uniforms: &[TreeUniform]) -> Result<Buffer> {
-        let mut words = vec![0_u32; uniforms.len() * STRIDE as usize / 4];
-        for (uniform, place) in uniforms
+    fn write_uniforms(&mut self, passes: &Passes, planned: &[Planned]) -> Result<Buffer> {
+        let mut words = vec![0_u32; planned.len() * STRIDE as usize / 4];
+        for (draw, place) in planned
             .iter()
             .zip(words.chunks_exact_mut(STRIDE as usize / 4))
         {
-            let bytes: &[u32] = bytemuck::cast_slice(core::slice::from_ref(uniform));
+            let bytes: &[u32] = bytemuck::cast_slice(core::slice::from_ref(&draw.uniform));
             place[..bytes.len()].copy_from_slice(bytes);
         }
         let bytes = 4 * words.len() as u64;
@@ -389,85 +194,78 @@ impl PopView {
         prepared: &Pop,
         frame: &Frame<'_>,
         wanted: &Wanted,
-        (planned, uniforms): (&[Planned], &[TreeUniform]),
+        planned: &[Planned],
     ) -> bool {
-        let mut has_any = false;
-        for (draw, uniform) in planned.iter().zip(uniforms) {
-            let Some(view_from_object) = &draw.on_cpu else {
-                continue;
-            };
-            if !has_any {
-                self.splats.clear(frame.size_px());
-                has_any = true;
-            }
-            let stage = SplatStage::new(
-                &prepared.parts[draw.part].tree,
-                frame.uniform(),
-                view_from_object,
-                (uniform.stretch, uniform.base, wanted.is_disk),
-            );
-            let splats = &self.cuts[draw.part].cut.splats;
-            self.splats.draw(&stage, splats, frame.thread_count());
+        let colour = wanted.has_pop_colours.then_some(SPLAT_COLOUR);
+        let stages: Vec<_> = planned
+            .iter()
+            .filter_map(|planned| {
+                let draw = planned.on_cpu.as_ref()?;
+                let look = SplatLook::new(draw, colour);
+                let tree = &prepared.parts[planned.part].tree;
+                let numbers = (planned.uniform.stretch, planned.uniform.base);
+                let stage = SplatStage::new(tree, frame.uniform(), draw, numbers, look);
+                Some((stage, &self.cuts[planned.part].cut.splats[..]))
+            })
+            .collect();
+        if stages.is_empty() {
+            return false;
         }
-        has_any
+        let kind = SplatKind {
+            is_disk: wanted.is_disk(),
+            is_blended: wanted.is_blended(),
+        };
+        let threads = frame.thread_count();
+        self.splats.draw(&stages, kind, frame.size_px(), threads);
+        true
     }
 
     /// Whether visible primitives go to a buffer, by compute, or to textures, by raster.
-    fn source_of(&mut self, passes: &Passes, size_px: [u32; 2], path: Path) -> Source {
+    fn source_of(&mut self, passes: &Passes, size_px: [u32; 2], wanted: &Wanted) -> Source {
         let gpu = &passes.gpu;
         let limit = gpu
             .limit("max_storage_buffer_binding_size")
             .unwrap_or(128 << 20);
-        let wanted = match path {
+        let by_compute = match wanted.path {
             Path::Raster => false,
             Path::Compute => true,
             Path::Auto => gpu.is_software(),
         };
-        if wanted && pixel_bytes(size_px) <= limit {
+        let obstacle = if buffer_bytes(size_px, wanted.is_blended()) > limit {
+            "the picture has more pixels than a storage buffer of this device holds"
+        } else if wanted.is_blended() && !binds_enough(gpu) {
+            "the device binds too few storage buffers to blend by compute"
+        } else if by_compute {
             return Source::Pixels;
-        }
-        if path == Path::Compute && !self.warned {
+        } else {
+            return Source::Ids;
+        };
+        if wanted.path == Path::Compute && !self.warned {
             self.warned = true;
-            self.host.performance_warning(
-                "drawn by the raster path, not by compute: the picture has more pixels than a storage buffer of this device holds",
-            );
+            self.host.performance_warning(&format!(
+                "drawn by the raster path, not by compute: {obstacle}"
+            ));
         }
         Source::Ids
     }
 
     /// Buffers or textures of the picture's size.
-    fn ready_visible(&mut self, passes: &Passes, size_px: [u32; 2], source: Source) -> Result<()> {
-        let by_compute = source == Source::Pixels;
-        let fits = match &self.visible {
-            Some(Visible::Buffers { size_px: its, .. }) => by_compute && *its == size_px,
-            Some(Visible::Textures { size_px: its, .. }) => !by_compute && *its == size_px,
-            None => false,
-        };
-        if !fits {
+    fn ready_visible(
+        &mut self,
+        passes: &Passes,
+        size_px: [u32; 2],
+        source: Source,
+        is_blended: bool,
+    ) -> Result<()> {
+        let fits = |visible: &Visible| visible.fits(size_px, source, is_blended);
+        if !self.visible.as_ref().is_some_and(fits) {
             // What is too large or too small goes before the new one comes.
             self.visible = None;
-            self.visible = Some(if by_compute {
-                Visible::buffers(passes, size_px)?
-            } else {
-                Visible::textures(passes, size_px)?
+            self.visible = Some(match source {
+                Source::Pixels => Visible::buffers(passes, size_px, is_blended)?,
+                Source::Ids => Visible::textures(passes, size_px, is_blended)?,
             });
         }
         Ok(())
-    }
-}
-
-/// Emptying, joining and uploading this many pixels takes the CPU as long as it saves on a splat.
-const PIXELS_A_SPLAT: u64 = 16;
-
-/// Whether the CPU draws this many splats.
-fn splats_on_cpu(passes: &Passes, wanted: &Wanted, splats: u32, size_px: [u32; 2]) -> bool {
-    // Without 64 bits at once the device's two kernels could not go on from what is there.
-    let can = has_int64(&passes.gpu) && splats > 0;
-    let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
-    let is_faster = passes.gpu.is_software() && u64::from(splats) * PIXELS_A_SPLAT > pixels;
-    match wanted.splats {
-        Splats::WhereFaster => can && is_faster,
-        Splats::OnCpu => can,
-        Splats::OnDevice => false,
     }
 }

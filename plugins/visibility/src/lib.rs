@@ -29,8 +29,8 @@ mod view;
 pub use draws::{BlockItem, DrawItem, DrawList};
 pub use footprint::{Footprint, Varying};
 pub use pipelines::{
-    Cache, Kernels, Prepared, QUADS_PER_INSTANCE, Source, cached, group_size, has_int64, is_wide,
-    linked_variants,
+    Cache, Kernels, Prepared, QUADS_PER_INSTANCE, SUMS, Source, adds_int64, blends_float32, cached,
+    group_size, has_int64, is_wide, linked_variants,
 };
 pub use record::{KernelGroups, record_kernels, record_quads};
 pub use rectangle::PixelRectangle;

@@ -34,6 +34,12 @@ const SHADING_PASS: Module<'static> = Module::new(
     include_str!("../../../shaders/visibility/shading_pass.wesl"),
 );
 
+/// Sums of blended splats, as whole numbers: the module `visibility::sums`. With the feature `int64_add` where [`adds_int64`].
+pub const SUMS: Module<'static> = Module::new(
+    "visibility::sums",
+    include_str!("../../../shaders/visibility/sums.wesl"),
+);
+
 /// Which of the compute kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kernel {
@@ -262,6 +268,16 @@ pub fn is_wide(gpu: &Gpu) -> bool {
 /// Whether one 64-bit maximum can hold depth and id.
 pub fn has_int64(gpu: &Gpu) -> bool {
     gpu.has_feature("shader-int64") && gpu.has_feature("shader-int64-atomic-min-max")
+}
+
+/// Whether the device adds 64 bits at once: the feature `int64_add` of shaders.
+pub fn adds_int64(gpu: &Gpu) -> bool {
+    gpu.has_feature("shader-int64-atomic-all-ops")
+}
+
+/// Whether the raster pipeline adds up in 32-bit floats.
+pub fn blends_float32(gpu: &Gpu) -> bool {
+    gpu.has_feature("float32-blendable")
 }
 
 fn raster_features<'a>(footprint: &Footprint, features: &[&'a str], level: bool) -> Vec<&'a str> {
