@@ -14,6 +14,9 @@ pub(crate) struct Disks {
     pub(crate) culls_backs: bool,
 }
 
+/// Surfels that are held against the picture so far at a time.
+const SHARE: usize = 64;
+
 impl Splats for Disks {
     fn draw(
         &self,
@@ -27,22 +30,24 @@ impl Splats for Disks {
             pad_px: 0.0,
         };
         bins.fill(stage, reach, thread_count);
-        let mut covered = vec![Rectangle::default(); thread_count.max(1)];
-        share_out(nearest.bands(), &mut covered, |covered, mut band| {
+        let mut benches = vec![(Rectangle::default(), Vec::new()); thread_count.max(1)];
+        share_out(nearest.bands(), &mut benches, |(reached, left), mut band| {
             band.clear();
             for (draw, numbers) in bins.of_band(band.number) {
                 let Some(surfels) = stage.draws.get(draw) else {
                     continue;
                 };
-                for numbers in numbers.chunks(LANES) {
-                    let drawn = self.draw_four(stage, surfels, numbers, &mut band);
-                    *covered = covered.joined(drawn);
+                for numbers in numbers.chunks(SHARE) {
+                    stage.leave_out_hidden(surfels, numbers, reach, &band, left);
+                    for numbers in left.chunks(LANES) {
+                        let drawn = self.draw_four(stage, surfels, numbers, &mut band);
+                        *reached = reached.joined(drawn);
+                    }
                 }
             }
         });
-        covered
-            .into_iter()
-            .fold(Rectangle::default(), Rectangle::joined)
+        let reached = benches.into_iter().map(|(reached, _)| reached);
+        reached.fold(Rectangle::default(), Rectangle::joined)
     }
 }
 

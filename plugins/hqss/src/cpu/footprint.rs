@@ -87,14 +87,11 @@ impl<'a> Footprints<'a> {
     #[inline]
     pub(super) fn draw_visible(
         &self,
-        draw: usize,
+        (draw, surfels): (usize, &Surfels<'_>),
         numbers: &[u32],
         band: &mut NearestBand<'_>,
         splats: &mut Vec<Splat>,
     ) {
-        let Some(surfels) = self.stage.draws.get(draw) else {
-            return;
-        };
         let (camera, uniform) = (&self.stage.camera, &self.look.uniform);
         let four = surfels.load(numbers);
         let backs = surfels.are_back_facing(&four);

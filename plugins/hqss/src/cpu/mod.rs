@@ -35,9 +35,14 @@ pub(crate) struct Picture {
     benches: Vec<Bench>,
 }
 
+/// Surfels that are held against the picture so far at a time.
+const SHARE: usize = 64;
+
 /// What a thread works with.
 #[derive(Debug, Default)]
 struct Bench {
+    /// Surfels that what is drawn does not hide.
+    left: Vec<u32>,
     splats: Vec<Splat>,
     sums: Sums,
     /// The front splat of each pixel of the band: its place in the list and one, 0 for none.
@@ -127,8 +132,17 @@ impl Bench {
         band.surfaces.fill([0; 4]);
         self.splats.clear();
         for (draw, numbers) in bins.of_band(band.nearest.number) {
-            for numbers in numbers.chunks(LANES) {
-                footprints.draw_visible(draw, numbers, &mut band.nearest, &mut self.splats);
+            let Some(surfels) = footprints.stage.draws.get(draw) else {
+                continue;
+            };
+            for numbers in numbers.chunks(SHARE) {
+                let (reach, left) = (footprints.reach(), &mut self.left);
+                let stage = footprints.stage;
+                stage.leave_out_hidden(surfels, numbers, reach, &band.nearest, left);
+                for numbers in self.left.chunks(LANES) {
+                    let place = (draw, surfels);
+                    footprints.draw_visible(place, numbers, &mut band.nearest, &mut self.splats);
+                }
             }
         }
         if self.splats.is_empty() {

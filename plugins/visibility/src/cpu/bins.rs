@@ -5,14 +5,22 @@ use super::nearest::BAND_ROWS;
 use super::surfels::{Numbers, Stage, Surfels};
 use super::workers::share_out;
 use core::ops::Range;
+use pointstage_plugin_api::glam::Vec4;
 
 /// Surfels that a thread sorts at a time.
 const PART: u32 = 16_384;
 
-/// The surfels of a selection by the bands of rows that their splats can reach, in the order of the draws: so every band's
-/// pixels are drawn by one thread, in the same order however many there are.
+/// Slices of the scene's depth: what is near is drawn first, so that most of what it hides is never computed.
+const SLICES: usize = 16;
+/// Beyond so many parts surfels are not sorted by depth: too many lists.
+const MOST_PARTS: usize = 2_048;
+
+/// The surfels of a selection by the bands of rows that their splats can reach, near ones first: so every band's pixels are drawn by
+/// one thread, in the same order however many there are.
 #[derive(Debug, Default)]
 pub struct Bins {
+    band_count: usize,
+    slice_count: usize,
     parts: Vec<Part>,
 }
 
@@ -21,8 +29,8 @@ pub struct Bins {
 struct Part {
     draw: usize,
     range: Range<u32>,
-    /// Numbers in the block, by band.
-    bands: Vec<Vec<u32>>,
+    /// Numbers in the block, by slice and band.
+    lists: Vec<Vec<u32>>,
 }
 
 /// How far splats reach beyond the surfels' own spheres.
@@ -37,7 +45,7 @@ pub struct Reach {
 impl Bins {
     /// Sorts the surfels of a stage, on so many threads.
     pub fn fill(&mut self, stage: &Stage<'_>, reach: Reach, thread_count: usize) {
-        let band_count = (stage.camera.size_px.y as u32).div_ceil(BAND_ROWS) as usize;
+        self.band_count = (stage.camera.size_px.y as u32).div_ceil(BAND_ROWS) as usize;
         let mut part_count = 0;
         for (draw, surfels) in stage.draws.iter().enumerate() {
             let count = surfels.len() as u32;
@@ -52,28 +60,48 @@ impl Bins {
             }
         }
         self.parts.truncate(part_count);
+        let slice_count = if part_count > MOST_PARTS { 1 } else { SLICES };
+        self.slice_count = slice_count;
+        let sorter = Sorter {
+            stage,
+            reach,
+            band_count: self.band_count,
+            slice_count,
+        };
         let mut states = vec![(); thread_count.clamp(1, part_count.max(1))];
         share_out(self.parts.iter_mut(), &mut states, |(), part| {
-            part.bands.resize_with(band_count, Vec::new);
-            part.bands.iter_mut().for_each(Vec::clear);
+            let list_count = sorter.band_count * slice_count;
+            part.lists.resize_with(list_count, Vec::new);
+            part.lists.iter_mut().for_each(Vec::clear);
             if let Some(surfels) = stage.draws.get(part.draw) {
-                part.fill(stage, surfels, reach);
+                sorter.fill(part, surfels);
             }
         });
     }
 
     /// The surfels of a band: their draw's place in the stage, and numbers in its block.
     pub fn of_band(&self, band: usize) -> impl Iterator<Item = (usize, &[u32])> {
-        self.parts.iter().filter_map(move |part| {
-            let numbers = part.bands.get(band)?;
-            Some((part.draw, numbers.as_slice()))
+        let slices = 0..self.slice_count;
+        slices.flat_map(move |slice| {
+            self.parts.iter().filter_map(move |part| {
+                let numbers = part.lists.get(slice * self.band_count + band)?;
+                (!numbers.is_empty()).then_some((part.draw, numbers.as_slice()))
+            })
         })
     }
 }
 
-impl Part {
-    fn fill(&mut self, stage: &Stage<'_>, surfels: &Surfels<'_>, reach: Reach) {
-        let Range { start, end } = self.range;
+/// How surfels are sorted.
+struct Sorter<'a> {
+    stage: &'a Stage<'a>,
+    reach: Reach,
+    band_count: usize,
+    slice_count: usize,
+}
+
+impl Sorter<'_> {
+    fn fill(&self, part: &mut Part, surfels: &Surfels<'_>) {
+        let Range { start, end } = part.range;
         match &surfels.numbers {
             Numbers::Range { first, .. } => {
                 let mut four = [0; LANES];
@@ -82,34 +110,41 @@ impl Part {
                     for (number, next) in four.iter_mut().zip(first + start..) {
                         *number = next;
                     }
-                    self.sort(stage, surfels, reach, &four[..count]);
+                    self.sort(part, surfels, &four[..count]);
                 }
             }
             Numbers::List(list) => {
                 let numbers = list.get(start as usize..end as usize).unwrap_or_default();
                 for four in numbers.chunks(LANES) {
-                    self.sort(stage, surfels, reach, four);
+                    self.sort(part, surfels, four);
                 }
             }
         }
     }
 
     #[inline]
-    fn sort(&mut self, stage: &Stage<'_>, surfels: &Surfels<'_>, reach: Reach, numbers: &[u32]) {
+    fn sort(&self, part: &mut Part, surfels: &Surfels<'_>, numbers: &[u32]) {
+        let (stage, reach) = (self.stage, self.reach);
         let (centre_view, radius) = surfels.spheres(numbers);
         let [first, end] =
             stage
                 .camera
                 .rows_of_spheres(centre_view, radius * reach.scale, reach.pad_px);
+        let [nearest, farthest] = stage.distances;
+        let scale = self.slice_count as f32 / (farthest - nearest).max(1e-30);
+        let slices = (-centre_view.z - Vec4::splat(nearest)) * scale;
         for (lane, number) in numbers.iter().enumerate().take(LANES) {
-            let [first, end] = [first[lane], end[lane]].map(u32::from);
+            let [first, end] = [first[lane] as u32, end[lane] as u32];
             if first >= end {
                 continue;
             }
+            // What is no number or outside the range goes to the ends.
+            let slice = (slices[lane] as usize).min(self.slice_count - 1);
             let bands = first / BAND_ROWS..end.div_ceil(BAND_ROWS);
-            let bands = self.bands.get_mut(bands.start as usize..bands.end as usize);
-            for band in bands.unwrap_or_default() {
-                band.push(*number);
+            let start = slice * self.band_count;
+            let lists = start + bands.start as usize..start + bands.end as usize;
+            for list in part.lists.get_mut(lists).unwrap_or_default() {
+                list.push(*number);
             }
         }
     }

@@ -151,8 +151,27 @@ impl Camera4 {
         (self.z[1] - self.z[0] * distance) / (self.w[1] - self.w[0] * distance)
     }
 
-    /// The rows that spheres can reach: first, and one past the last, px; none for what has no place on the screen. Never too
-    /// few, also where a sphere crosses the eye's plane.
+    /// How far spheres reach from their projected centres in x and in y, at most, px; infinite where one crosses the eye's plane.
+    #[inline]
+    pub(super) fn reach_of_spheres(&self, centre_view: Vec3x4, radius: Vec4) -> Vec4 {
+        let scale = (self.x[0] * self.size_px.x)
+            .abs()
+            .max((self.y[0] * self.size_px.y).abs())
+            * (0.5 * 1.001);
+        if self.is_orthographic {
+            return radius * scale;
+        }
+        let distance = -centre_view.z;
+        let nearest = distance - radius;
+        let [x, y] = [centre_view.x, centre_view.y].map(|side| side / distance);
+        let slope_squared = (x * x).max(y * y);
+        let reach = radius * scale * sqrt(Vec4::ONE + slope_squared) / nearest;
+        let is_ahead = nearest.cmpgt(radius * 1e-6);
+        Vec4::select(is_ahead, reach, Vec4::INFINITY)
+    }
+
+    /// The rows that spheres can reach: first, and one past the last, px, with fractions to be cut off; none for what has no place on
+    /// the screen. Never too few, also where a sphere crosses the eye's plane.
     ///
     /// * `pad_px`: how far beyond the sphere's image.
     #[inline]
@@ -161,7 +180,7 @@ impl Camera4 {
         centre_view: Vec3x4,
         radius: Vec4,
         pad_px: f32,
-    ) -> [[u16; LANES]; 2] {
+    ) -> [Vec4; 2] {
         let clip = self.clip_from_view(centre_view);
         let is_perspective = !self.is_orthographic;
         let nearest = if is_perspective {
@@ -197,8 +216,8 @@ impl Camera4 {
             radius.cmpge(Vec4::ZERO)
         };
         let is_drawn = has_columns & has_rows & is_ahead;
-        let upper = Vec4::select(is_drawn, upper + Vec4::splat(0.999), Vec4::ZERO);
-        [lower, upper].map(|rows| rows.to_array().map(|row| row as u16))
+        let upper = upper + Vec4::splat(0.999);
+        [lower, Vec4::select(is_drawn, upper, Vec4::ZERO)]
     }
 
     /// The images of four ellipses round view positions.

@@ -11,6 +11,7 @@
 
 mod bins;
 mod ellipse;
+mod hidden;
 mod image;
 mod lanes;
 mod nearest;

@@ -101,6 +101,21 @@ impl NearestBand<'_> {
             .get_mut(start + columns.start as usize..start + columns.end as usize)
     }
 
+    /// Columns.
+    #[inline]
+    pub fn width(&self) -> u32 {
+        self.width as u32
+    }
+
+    /// Pixels of a row in these columns, to look at; none outside the band.
+    #[inline]
+    pub fn row(&self, row: u32, columns: Range<u32>) -> &[u64] {
+        let start = row.saturating_sub(self.rows.start) as usize * self.width;
+        self.pixels
+            .get(start + columns.start as usize..start + columns.end as usize)
+            .unwrap_or_default()
+    }
+
     /// Offers a splat to a pixel; nothing happens outside the band.
     #[inline]
     pub fn offer(&mut self, column: u32, row: u32, depth: f32, id: u32) {

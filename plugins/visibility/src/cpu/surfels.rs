@@ -11,8 +11,10 @@ use pointstage_plugin_api::{Draw, DrawFlags, DrawUniform, Frame};
 pub struct Stage<'a> {
     /// The frame's camera.
     pub camera: Camera4,
-    /// In the order in which they are drawn.
+    /// In the order of their ids.
     pub draws: Vec<Surfels<'a>>,
+    /// Least and greatest distance from the eye's plane in which most surfels are, scene units.
+    pub(super) distances: [f32; 2],
 }
 
 /// One draw.
@@ -62,15 +64,31 @@ pub struct Surfels4 {
 impl<'a> Stage<'a> {
     /// What a frame draws; none if a draw's surfels are known to the device alone, or a column is not at hand.
     ///
-    /// Draws are in the order of their ids, as those of [`crate::DrawList`].
     pub fn of(frame: &Frame<'a>) -> Option<Self> {
         let draws = frame.selection().filter(|draw| draw.count() > 0);
         let draws = draws.map(|draw| Surfels::of(&draw, frame));
         let mut draws = draws.collect::<Option<Vec<_>>>()?;
         draws.sort_by_key(|draw| draw.uniform.id_base);
+        let distances = frame.selection().filter_map(|draw| {
+            let bounds = draw.object()?.bounds();
+            let view_from_object = Mat4::from_cols_array_2d(&draw.uniform().view_from_object);
+            let corners = (0..8).map(|corner| {
+                let pick = |axis: usize| bounds[corner >> axis & 1][axis];
+                let corner = Vec3::new(pick(0), pick(1), pick(2));
+                -view_from_object.transform_point3(corner).z
+            });
+            Some(corners.fold([f32::MAX, 0.0], |[nearest, farthest], distance| {
+                [distance.min(nearest), distance.max(farthest)]
+            }))
+        });
+        let distances = distances.fold([f32::MAX, 0.0], |all, one| {
+            [one[0].min(all[0]), one[1].max(all[1])]
+        });
+        let nearest = distances[0].max(frame.uniform().near);
         Some(Self {
             camera: Camera4::from(frame.uniform()),
             draws,
+            distances: [nearest, distances[1].max(nearest)],
         })
     }
 
