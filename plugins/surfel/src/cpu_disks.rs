@@ -33,12 +33,12 @@ impl Splats for Disks {
         let mut benches = vec![(Rectangle::default(), Vec::new()); thread_count.max(1)];
         share_out(nearest.bands(), &mut benches, |(reached, left), mut band| {
             band.clear();
-            for (draw, numbers) in bins.of_band(band.number) {
+            for (draw, candidates) in bins.of_band(band.number) {
                 let Some(surfels) = stage.draws.get(draw) else {
                     continue;
                 };
-                for numbers in numbers.chunks(SHARE) {
-                    stage.leave_out_hidden(surfels, numbers, reach, &band, left);
+                for candidates in candidates.chunks(SHARE) {
+                    band.leave_out_hidden(candidates, left);
                     for numbers in left.chunks(LANES) {
                         let drawn = self.draw_four(stage, surfels, numbers, &mut band);
                         *reached = reached.joined(drawn);

@@ -131,14 +131,12 @@ impl Bench {
         band.colours.fill([0.0; 4]);
         band.surfaces.fill([0; 4]);
         self.splats.clear();
-        for (draw, numbers) in bins.of_band(band.nearest.number) {
+        for (draw, candidates) in bins.of_band(band.nearest.number) {
             let Some(surfels) = footprints.stage.draws.get(draw) else {
                 continue;
             };
-            for numbers in numbers.chunks(SHARE) {
-                let (reach, left) = (footprints.reach(), &mut self.left);
-                let stage = footprints.stage;
-                stage.leave_out_hidden(surfels, numbers, reach, &band.nearest, left);
+            for candidates in candidates.chunks(SHARE) {
+                band.nearest.leave_out_hidden(candidates, &mut self.left);
                 for numbers in self.left.chunks(LANES) {
                     let place = (draw, surfels);
                     footprints.draw_visible(place, numbers, &mut band.nearest, &mut self.splats);

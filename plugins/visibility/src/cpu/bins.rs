@@ -1,5 +1,6 @@
 //! Which surfels reach which band of rows.
 
+use super::image::Rectangle;
 use super::lanes::LANES;
 use super::nearest::BAND_ROWS;
 use super::surfels::{Numbers, Stage, Surfels};
@@ -15,6 +16,9 @@ const SLICES: usize = 16;
 /// Beyond so many parts surfels are not sorted by depth: too many lists.
 const MOST_PARTS: usize = 2_048;
 
+/// Columns and rows of a large area.
+const MOST_PIXELS: usize = 6;
+
 /// The surfels of a selection by the bands of rows that their splats can reach, near ones first: so every band's pixels are drawn by
 /// one thread, in the same order however many there are.
 #[derive(Debug, Default)]
@@ -29,8 +33,20 @@ pub struct Bins {
 struct Part {
     draw: usize,
     range: Range<u32>,
-    /// Numbers in the block, by slice and band.
-    lists: Vec<Vec<u32>>,
+    /// By slice and band.
+    lists: Vec<Vec<Candidate>>,
+}
+
+/// A surfel that may be seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate {
+    /// The pixels that its splat can reach.
+    pub area: Rectangle,
+    /// No point of its splat is nearer than this depth; infinite if the area is large, where it does not pay to look whether all
+    /// of it is hidden.
+    pub depth: f32,
+    /// Place in its block.
+    pub number: u32,
 }
 
 /// How far splats reach beyond the surfels' own spheres.
@@ -38,7 +54,7 @@ struct Part {
 pub struct Reach {
     /// Factor on the half-axes.
     pub scale: f32,
-    /// On the screen, px.
+    /// On the screen, px. Within it and the sphere depth is taken to change by no more than a radius' worth a reach.
     pub pad_px: f32,
 }
 
@@ -79,8 +95,8 @@ impl Bins {
         });
     }
 
-    /// The surfels of a band: their draw's place in the stage, and numbers in its block.
-    pub fn of_band(&self, band: usize) -> impl Iterator<Item = (usize, &[u32])> {
+    /// The surfels of a band, with their draw's place in the stage.
+    pub fn of_band(&self, band: usize) -> impl Iterator<Item = (usize, &[Candidate])> {
         let slices = 0..self.slice_count;
         slices.flat_map(move |slice| {
             self.parts.iter().filter_map(move |part| {
@@ -126,25 +142,36 @@ impl Sorter<'_> {
     fn sort(&self, part: &mut Part, surfels: &Surfels<'_>, numbers: &[u32]) {
         let (stage, reach) = (self.stage, self.reach);
         let (centre_view, radius) = surfels.spheres(numbers);
-        let [first, end] =
-            stage
-                .camera
-                .rows_of_spheres(centre_view, radius * reach.scale, reach.pad_px);
+        let radius = radius * reach.scale;
+        let spheres = stage.camera.project_spheres(centre_view, radius, reach.pad_px);
+        let areas = Rectangle::within_four(spheres.lower_px, spheres.upper_px);
+        let depths = spheres.depth.to_array();
         let [nearest, farthest] = stage.distances;
         let scale = self.slice_count as f32 / (farthest - nearest).max(1e-30);
-        let slices = (-centre_view.z - Vec4::splat(nearest)) * scale;
+        let slices = ((-centre_view.z - Vec4::splat(nearest)) * scale).to_array();
         for (lane, number) in numbers.iter().enumerate().take(LANES) {
-            let [first, end] = [first[lane] as u32, end[lane] as u32];
-            if first >= end {
+            let area = areas[lane];
+            if area.is_empty() {
                 continue;
             }
+            let is_small = area.columns().len() <= MOST_PIXELS && area.rows().len() <= MOST_PIXELS;
+            let candidate = Candidate {
+                area,
+                depth: if is_small {
+                    depths[lane]
+                } else {
+                    f32::INFINITY
+                },
+                number: *number,
+            };
             // What is no number or outside the range goes to the ends.
             let slice = (slices[lane] as usize).min(self.slice_count - 1);
-            let bands = first / BAND_ROWS..end.div_ceil(BAND_ROWS);
+            let rows = area.rows();
+            let bands = rows.start / BAND_ROWS..rows.end.div_ceil(BAND_ROWS);
             let start = slice * self.band_count;
             let lists = start + bands.start as usize..start + bands.end as usize;
             for list in part.lists.get_mut(lists).unwrap_or_default() {
-                list.push(*number);
+                list.push(candidate);
             }
         }
     }

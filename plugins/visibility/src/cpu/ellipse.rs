@@ -68,6 +68,17 @@ pub struct Ellipses4 {
     pub depth: Vec3x4,
 }
 
+/// Where four spheres are seen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spheres4 {
+    /// Corner of a rectangle that holds the image, within the target, px.
+    pub(super) lower_px: [Vec4; 2],
+    /// The other corner; 0 if nothing is to be seen.
+    pub(super) upper_px: [Vec4; 2],
+    /// No point is nearer than this depth.
+    pub(super) depth: Vec4,
+}
+
 // The constants of the shader.
 const BOUNDS_MARGIN_PX: f32 = 1.0 / 64.0;
 const CUT_MARGIN_PX: f32 = 1.0;
@@ -151,73 +162,62 @@ impl Camera4 {
         (self.z[1] - self.z[0] * distance) / (self.w[1] - self.w[0] * distance)
     }
 
-    /// How far spheres reach from their projected centres in x and in y, at most, px; infinite where one crosses the eye's plane.
-    #[inline]
-    pub(super) fn reach_of_spheres(&self, centre_view: Vec3x4, radius: Vec4) -> Vec4 {
-        let scale = (self.x[0] * self.size_px.x)
-            .abs()
-            .max((self.y[0] * self.size_px.y).abs())
-            * (0.5 * 1.001);
-        if self.is_orthographic {
-            return radius * scale;
-        }
-        let distance = -centre_view.z;
-        let nearest = distance - radius;
-        let [x, y] = [centre_view.x, centre_view.y].map(|side| side / distance);
-        let slope_squared = (x * x).max(y * y);
-        let reach = radius * scale * sqrt(Vec4::ONE + slope_squared) / nearest;
-        let is_ahead = nearest.cmpgt(radius * 1e-6);
-        Vec4::select(is_ahead, reach, Vec4::INFINITY)
-    }
-
-    /// The rows that spheres can reach: first, and one past the last, px, with fractions to be cut off; none for what has no place on
-    /// the screen. Never too few, also where a sphere crosses the eye's plane.
+    /// Where on the screen four spheres can be, never too little.
     ///
-    /// * `pad_px`: how far beyond the sphere's image.
+    /// * `pad_px`: how far splats reach beyond the spheres' images.
     #[inline]
-    pub(super) fn rows_of_spheres(
+    pub(super) fn project_spheres(
         &self,
         centre_view: Vec3x4,
         radius: Vec4,
         pad_px: f32,
-    ) -> [Vec4; 2] {
+    ) -> Spheres4 {
         let clip = self.clip_from_view(centre_view);
-        let is_perspective = !self.is_orthographic;
-        let nearest = if is_perspective {
-            clip.w - radius
-        } else {
-            clip.w
-        };
-        let is_whole = nearest.cmple(Vec4::splat(1e-6) * radius);
-        // Any point of a sphere is on the screen within r·sqrt(1 + slope²) / (w - r) of the centre, with w the distance. A little
-        // more, for rounding.
-        let [inverse_w, inverse_nearest] = [Vec4::ONE / clip.w, Vec4::splat(1.001) / nearest];
-        let extent = |clip: Vec4, position: Vec4, scale: Vec4, size_px: f32| {
-            let half_px = Vec4::splat(0.5 * size_px);
-            let mut reach = radius * scale.abs() * inverse_nearest;
-            if is_perspective {
-                let slope = position * inverse_w;
-                reach *= sqrt(Vec4::ONE + slope * slope);
-            }
-            let reach = reach * half_px + Vec4::splat(pad_px + 1.0);
-            let centre = half_px + half_px * (clip * inverse_w);
-            let limit = Vec4::splat(size_px);
+        let distance = -centre_view.z;
+        let scale = Vec4::ONE / clip.w;
+        let half = self.size_px * 0.5;
+        let [half_x, half_y] = [Vec4::splat(half.x), Vec4::splat(half.y)];
+        let [x, y] = [
+            half_x + half_x * (clip.x * scale),
+            half_y - half_y * (clip.y * scale),
+        ];
+        let pixels = (self.x[0] * half.x).abs().max((self.y[0] * half.y).abs());
+        // A little more, for rounding.
+        let mut sphere_px = radius * pixels * 1.001;
+        let mut is_whole = BVec4A::FALSE;
+        let mut is_ahead = radius.cmpge(Vec4::ZERO);
+        if !self.is_orthographic {
+            // Any point of a sphere is on the screen within r·sqrt(1 + slope²) / (distance - r) of the centre.
+            let [slope_x, slope_y] = [centre_view.x * scale, centre_view.y * scale];
+            let slope_squared = (slope_x * slope_x).max(slope_y * slope_y);
+            let nearest = distance - radius;
+            sphere_px *= sqrt(Vec4::ONE + slope_squared) / nearest;
+            is_whole = nearest.cmple(radius * 1e-6);
+            is_ahead &= (distance + radius).cmpgt(Vec4::ZERO);
+        }
+        let reach = sphere_px + Vec4::splat(pad_px + 0.02);
+        let mut depth = self.depth_from_eye_distance(distance - radius);
+        if pad_px > 0.0 {
+            let change = clip.z * scale - self.depth_from_eye_distance(distance + radius);
+            // 1.42: to the corners.
+            depth = depth.max(clip.z * scale + change * (reach * (1.42 / pad_px)));
+        }
+        let lower = |centre: Vec4| {
             let lower = Vec4::select(is_whole, Vec4::ZERO, centre - reach);
-            let upper = Vec4::select(is_whole, limit, centre + reach);
-            // NaN gives nothing.
-            let is_within = lower.cmplt(limit) & upper.cmpgt(Vec4::ZERO);
-            (is_within, lower.max(Vec4::ZERO), upper.min(limit))
+            lower.max(Vec4::ZERO)
         };
-        let (has_columns, ..) = extent(clip.x, centre_view.x, self.x[0], self.size_px.x);
-        let (has_rows, lower, upper) = extent(-clip.y, centre_view.y, self.y[0], self.size_px.y);
-        let is_ahead = if is_perspective {
-            (clip.w + radius).cmpgt(Vec4::ZERO)
-        } else {
-            radius.cmpge(Vec4::ZERO)
+        // NaN ends at 0, before the first pixel.
+        let upper = |centre: Vec4, size: f32| {
+            let size = Vec4::splat(size);
+            let upper = Vec4::select(is_whole, size, (centre + reach).min(size));
+            Vec4::select(is_ahead & upper.cmpgt(Vec4::ZERO), upper, Vec4::ZERO)
         };
-        let is_drawn = has_columns & has_rows & is_ahead;
-        let upper = upper + Vec4::splat(0.999);
-        [lower, Vec4::select(is_drawn, upper, Vec4::ZERO)]
+        Spheres4 {
+            lower_px: [lower(x), lower(y)],
+            upper_px: [upper(x, self.size_px.x), upper(y, self.size_px.y)],
+            // Rounding of single precision.
+            depth: Vec4::select(is_whole, Vec4::INFINITY, depth * 1.000_01),
+        }
     }
 
     /// The images of four ellipses round view positions.

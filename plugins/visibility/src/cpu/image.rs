@@ -45,12 +45,16 @@ impl Rectangle {
     /// Pixels whose centres lie between two pixel positions, for four pairs; edges that are negative or no numbers count as 0.
     #[inline]
     pub fn within_four(lower_px: [Vec4; 2], upper_px: [Vec4; 2]) -> [Self; LANES] {
-        let first = lower_px.map(|edges| edges.to_array().map(first_pixel));
-        let end = upper_px.map(|edges| edges.to_array().map(past_last_pixel));
-        [0, 1, 2, 3].map(|lane| Self {
-            first: [first[0][lane], first[1][lane]],
-            end: [end[0][lane], end[1][lane]],
-        })
+        let [left, top] = [lower_px[0].to_array(), lower_px[1].to_array()];
+        let [right, bottom] = [upper_px[0].to_array(), upper_px[1].to_array()];
+        let mut areas = [Self::default(); LANES];
+        for (lane, area) in areas.iter_mut().enumerate() {
+            *area = Self {
+                first: [first_pixel(left[lane]), first_pixel(top[lane])],
+                end: [past_last_pixel(right[lane]), past_last_pixel(bottom[lane])],
+            };
+        }
+        areas
     }
 
     /// Whether it has no pixel.
@@ -79,6 +83,12 @@ impl Rectangle {
     #[inline]
     pub fn columns(&self) -> Range<u32> {
         self.first[0].into()..self.end[0].into()
+    }
+
+    /// Its rows.
+    #[inline]
+    pub fn rows(&self) -> Range<u32> {
+        self.first[1].into()..self.end[1].into()
     }
 
     /// Its rows among some.

@@ -20,7 +20,7 @@ mod sums;
 mod surfels;
 mod workers;
 
-pub use bins::{Bins, Reach};
+pub use bins::{Bins, Candidate, Reach};
 pub use ellipse::{Axes4, Camera4, Clip4, Ellipses4};
 pub use image::{Image, Rectangle, RowPlane};
 pub use lanes::{LANES, Vec3x4, exp_near_zero, sqrt};
