@@ -169,13 +169,13 @@ fn hard_scenes() -> Vec<(&'static str, Vec<Object>)> {
     });
     let sizes: Vec<_> = sizes.collect();
     vec![
-        (
-            "blocks",
-            vec![in_blocks(&dense, true, true), moved.clone()],
-        ),
+        ("blocks", vec![in_blocks(&dense, true, true), moved.clone()]),
         ("no normals", vec![in_blocks(&dense, false, true), moved]),
         ("no colours", vec![in_blocks(&dense, true, false)]),
-        ("axes, across the near plane", vec![object("disks", &disks(300, EYE))]),
+        (
+            "axes, across the near plane",
+            vec![object("disks", &disks(300, EYE))],
+        ),
         ("sizes from nothing, edge-on", vec![object("sizes", &sizes)]),
     ]
 }

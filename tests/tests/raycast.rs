@@ -9,7 +9,8 @@ use pointstage_plugin_api::twin::ellipse::{Axes, project_ellipse};
 use pointstage_scene::{Camera, Scene};
 use pointstage_tests::models::{self, Surfel, twin_camera};
 use pointstage_tests::shots::{
-    PATHS_WITH_CPU, SIZE_PX, Setting, all_paths, both_paths, floats, orthographic, perspective, request, stage, uints,
+    PATHS_WITH_CPU, SIZE_PX, Setting, all_paths, both_paths, floats, orthographic, perspective,
+    request, stage, uints,
 };
 
 const EYE: DVec3 = DVec3::new(0.0, 0.0, 5.0);

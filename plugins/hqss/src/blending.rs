@@ -143,9 +143,7 @@ impl BlendedView {
         list: &DrawList,
     ) -> Result<Option<Visible>> {
         let gpu = &passes.visibility.gpu;
-        let stage = self
-            .visibility
-            .cpu_stage(gpu, frame, request, list, false);
+        let stage = self.visibility.cpu_stage(gpu, frame, request, list, false);
         let Some(stage) = stage else {
             return Ok(None);
         };

@@ -31,21 +31,25 @@ impl Splats for Disks {
         };
         bins.fill(stage, reach, thread_count);
         let mut benches = vec![(Rectangle::default(), Vec::new()); thread_count.max(1)];
-        share_out(nearest.bands(), &mut benches, |(reached, left), mut band| {
-            band.clear();
-            for (draw, candidates) in bins.of_band(band.number) {
-                let Some(surfels) = stage.draws.get(draw) else {
-                    continue;
-                };
-                for candidates in candidates.chunks(SHARE) {
-                    band.leave_out_hidden(candidates, left);
-                    for numbers in left.chunks(LANES) {
-                        let drawn = self.draw_four(stage, surfels, numbers, &mut band);
-                        *reached = reached.joined(drawn);
+        share_out(
+            nearest.bands(),
+            &mut benches,
+            |(reached, left), mut band| {
+                band.clear();
+                for (draw, candidates) in bins.of_band(band.number) {
+                    let Some(surfels) = stage.draws.get(draw) else {
+                        continue;
+                    };
+                    for candidates in candidates.chunks(SHARE) {
+                        band.leave_out_hidden(candidates, left);
+                        for numbers in left.chunks(LANES) {
+                            let drawn = self.draw_four(stage, surfels, numbers, &mut band);
+                            *reached = reached.joined(drawn);
+                        }
                     }
                 }
-            }
-        });
+            },
+        );
         let reached = benches.into_iter().map(|(reached, _)| reached);
         reached.fold(Rectangle::default(), Rectangle::joined)
     }

@@ -78,16 +78,24 @@ pub(super) fn blend(
         let is_seen = depth.cmpge(Vec4::from_array(visible.map(depth_of)))
             & depth.cmpgt(Vec4::ZERO)
             & depth.cmple(Vec4::ONE);
+        if depth.cmpgt(Vec4::ONE).any() {
+            // Pushed, it may be behind the near plane and the visible one all the same.
+            for (front, visible) in fronts.iter_mut().zip(visible) {
+                if id_of(visible) == splat.id {
+                    *front = place;
+                }
+            }
+        }
         let seen = is_seen.bitmask();
         if seen != 0 {
-            let attributes =
-                attributes.get_or_insert_with(|| Attributes::of(splat, footprints));
+            let attributes = attributes.get_or_insert_with(|| Attributes::of(splat, footprints));
             let shares = if footprints.look.filters {
                 filtered_shares(footprints, splat, attributes.log_peak, row, across)
             } else {
                 plain_shares(footprints, splat, row, across)
             };
-            let [weights, coverages] = [shares.weight, shares.coverage].map(|lanes| lanes.to_array());
+            let [weights, coverages] =
+                [shares.weight, shares.coverage].map(|lanes| lanes.to_array());
             let pixels = sums.iter_mut().zip(fronts).zip(visible);
             for (lane, ((sum, front), visible)) in pixels.enumerate() {
                 if seen & 1 << lane == 0 {
@@ -145,8 +153,7 @@ fn filtered_shares(
     let falloff = uniform.falloff;
     let in_plane = squared * (-falloff * uniform.cutoff * uniform.cutoff);
     let in_plane = Vec4::select(is_ahead, in_plane, Vec4::splat(-1e8));
-    let on_screen =
-        to_centre_squared * (-falloff / (uniform.filter_px * uniform.filter_px));
+    let on_screen = to_centre_squared * (-falloff / (uniform.filter_px * uniform.filter_px));
     let filtered = on_screen + Vec4::splat(log_peak);
     // The greater of two Gaussians is that of the greater exponent.
     let weight = exp_near_zero(in_plane.max(filtered)).max(Vec4::splat(LEAST_WEIGHT));

@@ -79,7 +79,11 @@ impl<'a> Footprints<'a> {
         let uniform = &self.look.uniform;
         Reach {
             scale: uniform.scale * uniform.cutoff,
-            pad_px: if self.look.filters { self.reach_px } else { 0.0 },
+            pad_px: if self.look.filters {
+                self.reach_px
+            } else {
+                0.0
+            },
         }
     }
 
@@ -159,7 +163,13 @@ impl<'a> Footprints<'a> {
                 number: *number,
                 id: surfels.surfel_id(*number),
             };
-            image.offer(splat.visible, splat.seen_squared, splat.push, splat.id, band);
+            image.offer(
+                splat.visible,
+                splat.seen_squared,
+                splat.push,
+                splat.id,
+                band,
+            );
             splats.push(splat);
         }
     }
@@ -214,7 +224,11 @@ impl<'a> Footprints<'a> {
             };
             let upper = |axis: usize| {
                 let greatest = ellipses.upper_px[axis].max(centre_px[axis] + by);
-                Vec4::select(has_centre, greatest.min(size[axis]), ellipses.upper_px[axis])
+                Vec4::select(
+                    has_centre,
+                    greatest.min(size[axis]),
+                    ellipses.upper_px[axis],
+                )
             };
             Rectangle::within_four([lower(0), lower(1)], [upper(0), upper(1)])
         };

@@ -14,7 +14,7 @@ mod blend;
 mod footprint;
 mod resolve;
 
-use self::blend::{blend, Attributes};
+use self::blend::{Attributes, blend};
 use self::footprint::{Footprints, Splat};
 use self::resolve::{cover, resolve};
 use crate::settings::SplatUniform;

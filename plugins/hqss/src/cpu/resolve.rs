@@ -59,9 +59,10 @@ pub(super) fn cover(
     let shows = |column: u32, row: u32| nearest.id_at(column, row) != 0;
     let pixels = colours.iter_mut().zip(surfaces).zip(0_u32..);
     let pixels = pixels.skip(columns.start as usize).take(columns.len());
-    for (([.., coverage], [_, _, weight, radius]), column) in pixels {
-        // A pixel that nothing reaches stays at 0.
-        if *coverage >= 1.0 || (*weight == 0 && *radius == 0) {
+    for (([.., coverage], [_, _, weight, _]), column) in pixels {
+        // Shading leaves out what has neither weight nor a visible splat.
+        let is_nothing = *weight == 0 && !shows(column, row);
+        if *coverage >= 1.0 || is_nothing {
             continue;
         }
         // Between two surfaces is one, too.

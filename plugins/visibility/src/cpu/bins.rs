@@ -143,7 +143,9 @@ impl Sorter<'_> {
         let (stage, reach) = (self.stage, self.reach);
         let (centre_view, radius) = surfels.spheres(numbers);
         let radius = radius * reach.scale;
-        let spheres = stage.camera.project_spheres(centre_view, radius, reach.pad_px);
+        let spheres = stage
+            .camera
+            .project_spheres(centre_view, radius, reach.pad_px);
         let areas = Rectangle::within_four(spheres.lower_px, spheres.upper_px);
         let depths = spheres.depth.to_array();
         let [nearest, farthest] = stage.distances;

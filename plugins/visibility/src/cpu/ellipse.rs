@@ -56,7 +56,7 @@ pub struct Ellipses4 {
     pub lower_px: [Vec4; 2],
     /// Their other corners.
     pub upper_px: [Vec4; 2],
-    /// Pixel positions; offsets below are from here.
+    /// Pixel centres; offsets below are from here.
     pub origin_px: [Vec4; 2],
     /// (u, v, 1) / w of the plane's point that a pixel sees: the rows' dot products with (1, offset.x, offset.y).
     pub uv1_constant: Vec3x4,
@@ -241,7 +241,8 @@ impl Camera4 {
         let has_centre = c.w.cmpgt(Vec4::ZERO);
         let origin = |axis: usize| {
             let clamped = centre_px[axis].max(Vec4::ZERO).min(size[axis]);
-            Vec4::select(has_centre, clamped, size[axis] * 0.5)
+            let origin = Vec4::select(has_centre, clamped, size[axis] * 0.5);
+            origin.floor() + Vec4::splat(0.5)
         };
         let origin_px = [origin(0), origin(1)];
         let [half_x, half_y] = [Vec4::splat(half.x), Vec4::splat(half.y)];

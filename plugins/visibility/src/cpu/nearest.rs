@@ -60,9 +60,7 @@ impl Nearest {
     #[inline]
     pub fn id_at(&self, column: u32, row: u32) -> u32 {
         let place = row as usize * self.size_px[0] as usize + column as usize;
-        self.pixels
-            .get(place)
-            .map_or(0, |pixel| id_of(*pixel))
+        self.pixels.get(place).map_or(0, |pixel| id_of(*pixel))
     }
 
     /// Number of bands.

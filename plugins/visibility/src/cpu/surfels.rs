@@ -77,9 +77,11 @@ impl<'a> Stage<'a> {
                 let corner = Vec3::new(pick(0), pick(1), pick(2));
                 -view_from_object.transform_point3(corner).z
             });
-            Some(corners.fold([f32::MAX, 0.0], |[nearest, farthest], distance| {
-                [distance.min(nearest), distance.max(farthest)]
-            }))
+            Some(
+                corners.fold([f32::MAX, 0.0], |[nearest, farthest], distance| {
+                    [distance.min(nearest), distance.max(farthest)]
+                }),
+            )
         });
         let distances = distances.fold([f32::MAX, 0.0], |all, one| {
             [one[0].min(all[0]), one[1].max(all[1])]
@@ -217,9 +219,8 @@ impl<'a> Surfels<'a> {
     pub fn load(&self, numbers: &[u32]) -> Surfels4 {
         let (centre, radius, numbers) = self.load_positions(numbers);
         let packed = numbers.map(|number| self.packed_normal(number));
-        let has_normal = Vec4::from_array(packed.map(|packed| {
-            if packed == NO_NORMAL { 0.0 } else { 1.0 }
-        }));
+        let has_normal =
+            Vec4::from_array(packed.map(|packed| if packed == NO_NORMAL { 0.0 } else { 1.0 }));
         let direction = octahedral_direction(packed);
         Surfels4 {
             numbers,
@@ -249,7 +250,9 @@ impl<'a> Surfels<'a> {
 
     #[inline]
     fn packed_normal(&self, number: u32) -> u32 {
-        let packed = self.normals.and_then(|normals| normals.get(number as usize));
+        let packed = self
+            .normals
+            .and_then(|normals| normals.get(number as usize));
         packed.copied().unwrap_or(NO_NORMAL)
     }
 
@@ -326,9 +329,8 @@ impl<'a> Surfels<'a> {
         }
         let facing = tangents_of(camera.towards_eye(surfels.centre_view));
         let scale = scale * self.uniform.radius_factor;
-        let select = |known, facing: Vec3x4| {
-            Vec3x4::select(surfels.has_normal, known, facing * scale)
-        };
+        let select =
+            |known, facing: Vec3x4| Vec3x4::select(surfels.has_normal, known, facing * scale);
         Axes4 {
             u: select(axes.u, facing.u),
             v: select(axes.v, facing.v),
@@ -346,8 +348,7 @@ fn octahedral_direction(packed: [u32; LANES]) -> Vec3x4 {
     let x = unpack(packed.map(|packed| packed as u16 as i16));
     let y = unpack(packed.map(|packed| (packed >> 16) as u16 as i16));
     let z = Vec4::ONE - x.abs() - y.abs();
-    let sign =
-        |value: Vec4| Vec4::select(value.cmpge(Vec4::ZERO), Vec4::ONE, Vec4::NEG_ONE);
+    let sign = |value: Vec4| Vec4::select(value.cmpge(Vec4::ZERO), Vec4::ONE, Vec4::NEG_ONE);
     let is_upper = z.cmpge(Vec4::ZERO);
     Vec3x4::new(
         Vec4::select(is_upper, x, (Vec4::ONE - y.abs()) * sign(x)),
