@@ -15,6 +15,7 @@ pub struct PixelRectangle {
 
 impl PixelRectangle {
     /// What both hold.
+    #[must_use]
     pub fn common(self, other: Self) -> Self {
         let end = |rectangle: Self, axis: usize| rectangle.origin[axis] + rectangle.size[axis];
         let origin = [0, 1].map(|axis| self.origin[axis].max(other.origin[axis]));

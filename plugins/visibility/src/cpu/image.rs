@@ -99,6 +99,7 @@ impl Rectangle {
 
     /// The least rectangle that holds both; one that is empty does not count.
     #[inline]
+    #[must_use]
     pub fn joined(self, other: Self) -> Self {
         if self.is_empty() {
             return other;

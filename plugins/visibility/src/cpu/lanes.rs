@@ -58,6 +58,7 @@ impl Vec3x4 {
 
     /// Cross products.
     #[inline]
+    #[must_use]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
             self.y * other.z - self.z * other.y,
@@ -74,6 +75,7 @@ impl Vec3x4 {
 
     /// The vectors with length 1; not finite where they have none.
     #[inline]
+    #[must_use]
     pub fn normalize(self) -> Self {
         self * (Vec4::ONE / sqrt(self.length_squared()))
     }

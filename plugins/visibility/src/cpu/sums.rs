@@ -18,7 +18,7 @@ pub struct Sum {
 pub struct Sums {
     rows: Range<u32>,
     width: usize,
-    sums: Vec<Sum>,
+    pixels: Vec<Sum>,
 }
 
 /// Beyond this weight nothing is added, so that a mean of very many stays a mean. The compute path, where the number comes
@@ -47,15 +47,15 @@ impl Sums {
         let count = rows.len() * width as usize;
         self.rows = rows;
         self.width = width as usize;
-        self.sums.clear();
-        self.sums.resize(count, Sum::default());
+        self.pixels.clear();
+        self.pixels.resize(count, Sum::default());
     }
 
     /// Sums of a row in these columns; none outside the band.
     #[inline]
     pub fn in_row(&mut self, row: u32, columns: Range<u32>) -> Option<&mut [Sum]> {
         let start = row.checked_sub(self.rows.start)? as usize * self.width;
-        self.sums
+        self.pixels
             .get_mut(start + columns.start as usize..start + columns.end as usize)
     }
 }
