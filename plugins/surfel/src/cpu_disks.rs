@@ -59,7 +59,7 @@ impl Disks {
     /// Draws up to four surfels into a band; the pixels that they can reach.
     #[inline]
     fn draw_four(
-        &self,
+        self,
         stage: &Stage<'_>,
         surfels: &Surfels<'_>,
         numbers: &[u32],

@@ -66,14 +66,15 @@ pub(super) fn blend(
     let mut across = 0.0;
     for ((nearest, sums), fronts) in groups {
         let depth = depth.at(across) * factor - less;
-        let visible = match *nearest {
-            [first, second, third, fourth] => [first, second, third, fourth],
-            _ => {
-                // What is no pixel of the row is nearer than anything.
-                let mut four = [u64::from(u32::MAX >> 1) << 32; LANES];
-                four[..nearest.len()].copy_from_slice(nearest);
-                four
+        let visible = if let [first, second, third, fourth] = *nearest {
+            [first, second, third, fourth]
+        } else {
+            // What is no pixel of the row gets no number for its depth, which nothing is nearer than.
+            let mut four = [u64::from(u32::MAX >> 1) << 32; LANES];
+            for (pixel, known) in four.iter_mut().zip(nearest) {
+                *pixel = *known;
             }
+            four
         };
         let is_seen = depth.cmpge(Vec4::from_array(visible.map(depth_of)))
             & depth.cmpgt(Vec4::ZERO)

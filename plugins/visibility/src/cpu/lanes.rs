@@ -134,10 +134,10 @@ pub fn sqrt(values: Vec4) -> Vec4 {
     Vec4::from_array(values.to_array().map(f32::sqrt))
 }
 
-/// The exponentials of numbers from -6 to 0, with a relative error below 2e-6; of what is less, exp(-6).
+/// The exponentials of numbers from -6 to 0, with a relative error below 4e-6; of what is less, exp(-6).
 #[inline]
 pub fn exp_near_zero(values: Vec4) -> Vec4 {
-    // exp(x) = exp(x/8)^8; of y = x/8 + 3/8, within 3/8 of zero, six terms of the series are exact to 4e-9, and
+    // exp(x) = exp(x/8)^8; of y = x/8 + 3/8, within 3/8 of zero, the series up to y^6 is exact to 2e-7, and
     // exp(-3) comes back as a factor.
     let y = values.max(Vec4::splat(-6.0)) * 0.125 + Vec4::splat(0.375);
     let mut sum = Vec4::splat(1.0 / 720.0);
@@ -154,13 +154,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_is_exact_to_two_millionths() {
+    fn the_exponential_is_exact_to_four_millionths() {
         for step in 0..=6_000 {
             let x = -step as f32 / 1_000.0;
             let found = exp_near_zero(Vec4::splat(x)).x;
             let expected = f64::from(x).exp();
             let error = (f64::from(found) / expected - 1.0).abs();
-            assert!(error < 2e-6, "{found} of {expected}, at {x}");
+            assert!(error < 4e-6, "{found} of {expected}, at {x}");
         }
     }
 
