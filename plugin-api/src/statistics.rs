@@ -14,5 +14,5 @@ pub const PASSES: &str = "passes";
 pub const CPU_MS: &str = "cpu_ms";
 /// Bytes held on the device.
 pub const BYTES: &str = "bytes";
-/// Which way was taken where there are several: 0 raster, 1 compute.
+/// Which way was taken where there are several: 0 raster, 1 compute, 2 the CPU.
 pub const PATH: &str = "path";

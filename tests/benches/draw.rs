@@ -130,14 +130,14 @@ const CASES: &[Case] = &[
         renderer: "hqss",
         settings: &[],
         read_back: &[],
-        mapper: Some("points"),
+        mapper: Some("gaussian"),
     },
     Case {
         name: "hqss, all targets",
         renderer: "hqss",
         settings: &[],
         read_back: ALL_TARGETS,
-        mapper: None,
+        mapper: Some("gaussian"),
     },
     Case {
         name: "hqss, compute",

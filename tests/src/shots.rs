@@ -16,6 +16,8 @@ pub const SIZE_PX: [u32; 2] = [320, 240];
 pub const NEAR: f64 = 0.1;
 /// The paths of a renderer, and the numbers by which it reports them.
 pub const PATHS: [(&str, f64); 2] = [("raster", 0.0), ("compute", 1.0)];
+/// Those of renderers that the CPU draws, too.
+pub const PATHS_WITH_CPU: [(&str, f64); 3] = [("raster", 0.0), ("compute", 1.0), ("cpu", 2.0)];
 
 /// A setting's id and value.
 pub type Setting = (&'static str, SettingValue);
@@ -121,27 +123,38 @@ pub fn draw(stage: &mut Stage, request: &FrameRequest) -> FrameResult {
 /// # Panics
 /// When a frame fails, or the renderer takes another path.
 pub fn both_paths(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 2] {
-    PATHS.map(|(path, number)| {
-        let mut request = request.clone();
-        request.settings.insert("path".to_owned(), choice(path));
-        let result = draw(stage, &request);
-        let taken = result.stats.reported.get("path");
-        assert_eq!(taken, Some(&number), "0 is raster, 1 compute");
-        result
-    })
+    PATHS.map(|path| draw_by(stage, request, path))
 }
 
-/// Draws a request of `hqss` by both of its paths, and what its settings mean to `ewa-reference`.
+/// Draws by all paths: raster, compute, CPU.
 ///
 /// # Panics
 /// When a frame fails, or the renderer takes another path.
-pub fn blended(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 3] {
-    let [raster, compute] = both_paths(stage, request);
+pub fn all_paths(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 3] {
+    PATHS_WITH_CPU.map(|path| draw_by(stage, request, path))
+}
+
+/// Draws by a path.
+fn draw_by(stage: &mut Stage, request: &FrameRequest, (path, number): (&str, f64)) -> FrameResult {
+    let mut request = request.clone();
+    request.settings.insert("path".to_owned(), choice(path));
+    let result = draw(stage, &request);
+    let taken = result.stats.reported.get("path");
+    assert_eq!(taken, Some(&number), "0 is raster, 1 compute, 2 the CPU");
+    result
+}
+
+/// Draws a request of `hqss` by all of its paths, and what its settings mean to `ewa-reference`.
+///
+/// # Panics
+/// When a frame fails, or the renderer takes another path.
+pub fn blended(stage: &mut Stage, request: &FrameRequest) -> [FrameResult; 4] {
+    let [raster, compute, cpu] = all_paths(stage, request);
     let reference = FrameRequest {
         renderer: "ewa-reference".to_owned(),
         ..request.clone()
     };
-    [raster, compute, draw(stage, &reference)]
+    [raster, compute, cpu, draw(stage, &reference)]
 }
 
 /// The same picture drawn in tiles of at most `tile_px`, and put together again: its colours, straight RGBA.

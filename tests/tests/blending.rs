@@ -95,7 +95,7 @@ fn the_order_of_the_surfels_changes_nothing() {
 }
 
 /// Sum of the `weight` target.
-fn weight_of(stage: &mut Stage, surfels: &[Surfel], settings: &[Setting]) -> [f64; 3] {
+fn weight_of(stage: &mut Stage, surfels: &[Surfel], settings: &[Setting]) -> [f64; 4] {
     let scene = scene_of(object("splats", surfels));
     let camera = orthographic(DVec3::new(0.0, 0.0, 3.0), 2.0);
     let mut request = hqss(&scene, camera, settings);

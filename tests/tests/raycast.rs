@@ -9,7 +9,8 @@ use pointstage_plugin_api::twin::ellipse::{Axes, project_ellipse};
 use pointstage_scene::{Camera, Scene};
 use pointstage_tests::models::{self, Surfel, twin_camera};
 use pointstage_tests::shots::{
-    PATHS, SIZE_PX, Setting, both_paths, floats, orthographic, perspective, request, stage, uints,
+    PATHS_WITH_CPU, SIZE_PX, Setting, all_paths, both_paths, floats, orthographic, perspective,
+    request, stage, uints,
 };
 
 const EYE: DVec3 = DVec3::new(0.0, 0.0, 5.0);
@@ -99,7 +100,7 @@ fn assert_shows(result: &FrameResult, expected: &[Seen], what: &str) {
     }
 }
 
-/// Draws the surfels by both paths and holds the pictures against what was cast.
+/// Draws the surfels by all paths of the renderer and holds the pictures against what was cast.
 fn assert_renderer_shows(
     stage: &mut Stage,
     renderer: &str,
@@ -116,7 +117,12 @@ fn assert_renderer_shows(
     let mut scene = Scene::new();
     scene.add(models::object("surfels", surfels));
     let request = request(&Arc::new(scene), camera, renderer, settings);
-    for (result, (path, _)) in both_paths(stage, &request).iter().zip(PATHS) {
+    let results = if renderer == "points" {
+        both_paths(stage, &request).to_vec()
+    } else {
+        all_paths(stage, &request).to_vec()
+    };
+    for (result, (path, _)) in results.iter().zip(PATHS_WITH_CPU) {
         let what = format!("{renderer}, {path}, {:?}", camera.projection);
         assert_shows(result, expected, &what);
     }

@@ -11,12 +11,15 @@ use pointstage_scene::Scene;
 use pointstage_tests::data::skip;
 use pointstage_tests::models::{Surfel, ball, object};
 use pointstage_tests::program::plugin_library;
-use pointstage_tests::shots::{PATHS, both_paths, floats, perspective, request, uints};
+use pointstage_tests::shots::{
+    PATHS, both_paths, choice, draw, floats, perspective, request, uints,
+};
 
 fn stage() -> Result<Stage> {
     let files = vec![
         plugin_library("points")?,
         plugin_library("surfel")?,
+        plugin_library("hqss")?,
         pointstage_tests::plugins::sound()?,
     ];
     let plugins = DiscoverOptions {
@@ -73,6 +76,28 @@ fn selected_surfels_draw_as_if_they_were_all_there_is() -> Result<()> {
             let apart = pairs.filter(|(a, b)| (**a - b).abs() > 1e-6 * b).count();
             assert_eq!(apart, 0, "{what}: pixels with another depth");
         }
+    }
+    Ok(())
+}
+
+#[test]
+fn the_cpu_leaves_to_compute_what_the_device_alone_selects() -> Result<()> {
+    let mut stage = stage()?;
+    if let Some(why) = stage.no_device() {
+        skip(why);
+        return Ok(());
+    }
+    for renderer in ["surfel", "hqss"] {
+        let camera = perspective(DVec3::Z * 3.5);
+        let settings = [("path", choice("cpu"))];
+        let selecting = FrameRequest {
+            structure: Some("thirds".into()),
+            ..request(&scene(1), camera, renderer, &settings)
+        };
+        let drawn = draw(&mut stage, &selecting);
+        assert_eq!(drawn.stats.reported.get("path"), Some(&1.0), "{renderer}");
+        let kinds = uints(&drawn, "kind");
+        assert!(kinds.iter().any(|kind| *kind != 0), "{renderer}: empty");
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! One viewport: the sums, and the three passes of a frame.
 
-use crate::passes::Passes;
+use crate::cpu::{Look, Picture};
+use crate::passes::{Passes, Sums as Layout};
 use crate::settings::Wanted;
 use pointstage_plugin_api::abi::{self, BindingRecord, BufferUsage, Format, Handle, TextureUsage};
 use pointstage_plugin_api::gpu::{
@@ -10,7 +11,7 @@ use pointstage_plugin_api::gpu::{
 use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{
     BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet, Targets,
-    VisibilityView, Visible, blends_float32, record_kernels, record_quads,
+    VisibilityView, Visible, blends_float32, record_kernels, record_quads, rows_of,
 };
 
 /// Bytes of a pixel in each of the two buffers or textures of sums.
@@ -38,6 +39,8 @@ pub(crate) struct BlendedView {
     visibility: VisibilityView,
     sums: Option<([u32; 2], Format, Sums)>,
     groups: Option<Groups>,
+    /// What the CPU draws.
+    picture: Picture,
     has_warned: bool,
 }
 
@@ -50,6 +53,7 @@ impl BlendedView {
             visibility: VisibilityView::new(host, &passes.visibility)?,
             sums: None,
             groups: None,
+            picture: Picture::default(),
             has_warned: false,
         })
     }
@@ -65,7 +69,7 @@ impl BlendedView {
         wanted: &Wanted,
     ) -> Result<Outcome> {
         let gpu = &passes.visibility.gpu;
-        let list = DrawList::of(frame, None);
+        let mut list = DrawList::of(frame, None);
         let targets = Targets::of(frame);
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
@@ -76,23 +80,38 @@ impl BlendedView {
             extent: Extent::Any,
             bytes_per_pixel: SUM_BYTES,
             uniform: bytemuck::bytes_of(&wanted.uniform),
+            cpu: None,
         };
         let direct = list.is_direct.then_some("direct");
         let features: Vec<_> = wanted.features.iter().copied().chain(direct).collect();
         let mut recorder = Recorder::new();
-        let visible = self.visibility.record_visible(
-            &passes.visibility,
-            frame,
-            &request,
-            &list,
-            [targets.id(), None, None],
-            &mut recorder,
-        )?;
+        let visible = match self.draw_on_cpu(passes, frame, wanted, &request, &list)? {
+            Some(visible) => visible,
+            None => self.visibility.record_visible(
+                &passes.visibility,
+                frame,
+                &request,
+                &list,
+                [targets.id(), None, None],
+                &mut recorder,
+            )?,
+        };
+        list.narrow(visible.pixels);
         let blocks = self.visibility.write_blocks(gpu, &list)?;
         self.ready_sums(gpu, frame.size_px(), visible.source)?;
         self.ready_groups(passes, &visible, &blocks)?;
         let shading_features: Vec<_> = features.iter().copied().chain(wanted.look).collect();
-        self.record_attributes(passes, frame, &list, &visible, &features, &mut recorder)?;
+        let layout = match (visible.path, visible.source) {
+            (Path::Cpu, _) => {
+                self.write_picture(gpu, &visible)?;
+                Layout::Resolved
+            }
+            (_, Source::Pixels) => Layout::Buffers,
+            (_, Source::Ids) => Layout::Textures,
+        };
+        if layout != Layout::Resolved {
+            self.record_attributes(passes, frame, &list, &visible, &features, &mut recorder)?;
+        }
         let set = match visible.source {
             Source::Pixels => targets.all(),
             Source::Ids => targets.without_id(),
@@ -103,16 +122,63 @@ impl BlendedView {
                 frame,
                 &list,
                 &targets,
-                set,
+                (layout, set),
                 &shading_features,
                 &mut recorder,
             )?;
         }
         frame.submit(recorder);
-        let by_compute = visible.source == Source::Pixels;
         frame.report(statistics::SURFELS_SELECTED, list.surfel_count as f64);
-        frame.report(statistics::PATH, f64::from(u8::from(by_compute)));
+        frame.report(statistics::PATH, visible.path.number());
         Ok(Outcome::Done)
+    }
+
+    /// Draws visibility and attributes on the CPU; none if another path is to draw.
+    fn draw_on_cpu(
+        &mut self,
+        passes: &Passes,
+        frame: &Frame<'_>,
+        wanted: &Wanted,
+        request: &Request<'_>,
+        list: &DrawList,
+    ) -> Result<Option<Visible>> {
+        let gpu = &passes.visibility.gpu;
+        let stage = self.visibility.cpu_stage(gpu, frame, request, list, false);
+        let Some(stage) = stage else {
+            return Ok(None);
+        };
+        let look = Look {
+            uniform: wanted.uniform,
+            culls_backs: wanted.culls_backs,
+            filters: wanted.filters,
+            is_flat: wanted.look == Some("flat_normals"),
+        };
+        let reached = self
+            .picture
+            .draw(&stage, &look, frame.size_px(), frame.thread_count());
+        let nearest = &self.picture.nearest;
+        self.visibility
+            .write_visible(&passes.visibility, request, nearest, reached)
+            .map(Some)
+    }
+
+    /// Brings to the device what the CPU has made of the sums.
+    fn write_picture(&self, gpu: &Gpu, visible: &Visible) -> Result<()> {
+        let Some((size_px, _, Sums::Buffers([colours, surfaces]))) = &self.sums else {
+            return Err(missing());
+        };
+        let mut reached = visible.pixels;
+        // Toon shading looks at the next row, too.
+        reached.size[1] = (reached.size[1] + 1).min(size_px[1] - reached.origin[1]);
+        let rows = rows_of(reached, *size_px);
+        let start = SUM_BYTES * rows.start as u64;
+        let Picture {
+            colours: drawn,
+            surfaces: seen,
+            ..
+        } = &self.picture;
+        gpu.write(colours, start, drawn.get(rows.clone()).unwrap_or_default())?;
+        gpu.write(surfaces, start, seen.get(rows).unwrap_or_default())
     }
 
     /// The path that the device can take: raster needs 32-bit blending, compute enough storage buffers.
@@ -303,18 +369,14 @@ impl BlendedView {
         frame: &Frame<'_>,
         list: &DrawList,
         targets: &Targets,
-        set: TargetSet,
+        (layout, set): (Layout, TargetSet),
         features: &[&'static str],
         recorder: &mut Recorder,
     ) -> Result<()> {
-        let (Some((_, _, sums)), Some(groups)) = (&self.sums, &self.groups) else {
+        let Some(groups) = &self.groups else {
             return Err(missing());
         };
-        let source = match sums {
-            Sums::Textures(_) => Source::Ids,
-            Sums::Buffers(_) => Source::Pixels,
-        };
-        let pipeline = passes.shading(source, set, features)?;
+        let pipeline = passes.shading(layout, set, features)?;
         let colours: Vec<_> = targets
             .attachments(set)
             .map(|target| Some(ColourAttachment::load(&target.texture)))
@@ -325,6 +387,10 @@ impl BlendedView {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, &self.visibility.footprint_group, &[]);
         for (block, offset) in list.blocks.iter().zip((0..).step_by(BLOCK_STRIDE as usize)) {
+            if block.pixels.size.contains(&0) {
+                continue;
+            }
+            pass.set_scissor(block.pixels.origin, block.pixels.size);
             pass.set_bind_group(0, &frame.group(), &[block.uniform_offset]);
             pass.set_bind_group(1, &block.columns, &[]);
             pass.set_bind_group(3, &groups.shading, &[offset]);

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod blending;
+mod cpu;
 mod passes;
 mod settings;
 

@@ -9,7 +9,7 @@ use pointstage_plugin_api::gpu::{
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
 use pointstage_plugin_api::{Error, Result};
 use pointstage_visibility::{
-    Cache, Footprint, Kernels, Prepared, SUMS, Source, TargetSet, Varying, adds_int64, cached,
+    Cache, Footprint, Kernels, Prepared, SUMS, TargetSet, Varying, adds_int64, cached,
 };
 
 /// The splat's footprint, `shaders/hqss/splat.wesl`.
@@ -43,6 +43,28 @@ const NORMAL_SUMS: Blend = Blend {
     alpha: Blend::both(BlendFactor::ONE, BlendFactor::ONE, BlendOperation::MAX).alpha,
 };
 
+/// Where the shading pass finds what splats gave each pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Sums {
+    /// The raster path's textures.
+    Textures,
+    /// The compute path's buffers.
+    Buffers,
+    /// The same buffers, with what the CPU has made of the sums.
+    Resolved,
+}
+
+impl Sums {
+    /// Features of the shading shader.
+    fn features(self) -> &'static [&'static str] {
+        match self {
+            Self::Textures => &[],
+            Self::Buffers => &["pixels"],
+            Self::Resolved => &["pixels", "resolved"],
+        }
+    }
+}
+
 /// The pipelines.
 pub(crate) struct Passes {
     pub(crate) visibility: Prepared,
@@ -54,7 +76,7 @@ pub(crate) struct Passes {
     pub(crate) buffers_layout: BindGroupLayout,
     raster: Cache<(Vec<&'static str>, u32), RenderPipeline>,
     compute: Cache<Vec<&'static str>, Kernels>,
-    shading: Cache<(Source, TargetSet, Vec<&'static str>), RenderPipeline>,
+    shading: Cache<(Sums, TargetSet, Vec<&'static str>), RenderPipeline>,
 }
 
 impl Passes {
@@ -149,23 +171,23 @@ impl Passes {
     /// The shading pass for a set of targets.
     pub(crate) fn shading(
         &self,
-        source: Source,
+        sums: Sums,
         set: TargetSet,
         features: &[&'static str],
     ) -> Result<RenderPipeline> {
-        cached(&self.shading, (source, set, features.to_vec()), || {
-            let wgsl = link_shading(source, set, features).map_err(Error::failed)?;
+        cached(&self.shading, (sums, set, features.to_vec()), || {
+            let wgsl = link_shading(sums, set, features).map_err(Error::failed)?;
             let shader = self.shader("shading pass", &wgsl)?;
-            let sums = match source {
-                Source::Ids => &self.textures_layout,
-                Source::Pixels => &self.buffers_layout,
+            let layout = match sums {
+                Sums::Textures => &self.textures_layout,
+                Sums::Buffers | Sums::Resolved => &self.buffers_layout,
             };
             self.visibility.gpu.render_pipeline(&RenderPipelineOptions {
                 layouts: &[
                     &self.visibility.frame_layout,
                     &self.visibility.columns_layout,
                     &self.visibility.footprint_layout,
-                    sums,
+                    layout,
                 ],
                 vertex: "blended_shading_vertex",
                 fragment: Some("blended_shading_fragment"),
@@ -194,15 +216,12 @@ pub(crate) fn link_compute(features: &[&str]) -> core::result::Result<String, Wg
 }
 
 pub(crate) fn link_shading(
-    source: Source,
+    sums: Sums,
     set: TargetSet,
     features: &[&str],
 ) -> core::result::Result<String, WgslError> {
     let slots = set.slots_module();
-    let mut features = [features, &set.features()].concat();
-    if source == Source::Pixels {
-        features.push("pixels");
-    }
+    let features = [features, &set.features(), sums.features()].concat();
     let slots = Module::new("visibility::slots", &slots);
     link(SHADING, &[splat(), ATTRIBUTES, slots], &features)
 }

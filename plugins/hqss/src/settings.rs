@@ -22,6 +22,10 @@ pub(crate) struct SplatUniform {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wanted {
     pub(crate) uniform: SplatUniform,
+    /// Leaves out what shows its back.
+    pub(crate) culls_backs: bool,
+    /// Whether the low-pass filter is on.
+    pub(crate) filters: bool,
     /// Of the footprint's module.
     pub(crate) features: Vec<&'static str>,
     /// Of the shading pass: how the colours are lit, or what they show.
@@ -36,9 +40,12 @@ pub(crate) struct Wanted {
 pub(crate) fn request_of(settings: Settings<'_>) -> Result<Wanted> {
     let sigma = settings.float("sigma")?;
     let mut features = Vec::new();
-    features.extend(settings.bool("cull_backs")?.then_some("cull_backs"));
-    features.extend(settings.bool("filter")?.then_some("low_pass"));
+    let (culls_backs, filters) = (settings.bool("cull_backs")?, settings.bool("filter")?);
+    features.extend(culls_backs.then_some("cull_backs"));
+    features.extend(filters.then_some("low_pass"));
     Ok(Wanted {
+        culls_backs,
+        filters,
         uniform: SplatUniform {
             scale: settings.float("splat_scale")?,
             cutoff: settings.float("cutoff")?,

@@ -3,10 +3,10 @@
 #[path = "../../visibility/src/shader_checks.rs"]
 mod shader_checks;
 
-use crate::passes::{SPLAT, link_compute, link_raster, link_shading};
+use crate::passes::{SPLAT, Sums, link_compute, link_raster, link_shading};
 use crate::settings::SplatUniform;
 use core::mem::offset_of;
-use pointstage_visibility::{Source, TargetSet, linked_variants};
+use pointstage_visibility::{TargetSet, linked_variants};
 use shader_checks::{assert_manifest, assert_variants, validated};
 
 /// Of the shading pass.
@@ -50,10 +50,10 @@ fn the_attribute_and_shading_passes_validate() {
         }
         let mut looks = LOOKS.iter().cycle();
         for set in TargetSet::each().step_by(7) {
-            for source in [Source::Ids, Source::Pixels] {
+            for sums in [Sums::Textures, Sums::Buffers, Sums::Resolved] {
                 let features = [features, looks.next().unwrap()].concat();
-                let wgsl = link_shading(source, set, &features).unwrap();
-                validated(&format!("shading {set:?} {source:?} {features:?}"), &wgsl);
+                let wgsl = link_shading(sums, set, &features).unwrap();
+                validated(&format!("shading {set:?} {sums:?} {features:?}"), &wgsl);
             }
         }
     }

@@ -58,6 +58,7 @@ impl View<Points> for PointsView {
             extent: settings.extent(),
             bytes_per_pixel: 0,
             uniform: bytemuck::bytes_of(&uniform),
+            cpu: None,
         };
         self.visibility
             .render(&prepared.visibility, frame, &request)

@@ -6,8 +6,7 @@
 use crate::cpu_splats::{Footprint, Gift, REACH, Stage};
 use core::ops::Range;
 use pointstage_plugin_api::glam::{Vec2, Vec4};
-use std::sync::{Mutex, PoisonError};
-use std::thread;
+use pointstage_visibility::cpu::share_out;
 
 /// Splats that a thread takes at a time.
 const SHARE: usize = 8_192;
@@ -41,7 +40,7 @@ pub(crate) struct Pixels {
 #[derive(Debug, Default)]
 struct Layer<T> {
     values: Vec<T>,
-    /// Those of other threads, until they are joined.
+    /// Those of all threads but the first, until they are joined.
     others: Vec<Vec<T>>,
 }
 
@@ -121,30 +120,17 @@ impl<T: Clone + Copy + Default + Send + Sync> Layer<T> {
         work: impl Fn(&mut [T], S) + Sync,
         join: impl Fn(&mut T, &T),
     ) {
-        self.values.clear();
-        self.values.resize(count, T::default());
-        let next = Mutex::new(shares.iter());
-        let work = |values: &mut Vec<T>| {
-            loop {
-                let share = next.lock().unwrap_or_else(PoisonError::into_inner).next();
-                let Some(share) = share else { return };
-                // Only of a thread that has something to do.
-                values.resize(count, T::default());
-                work(values, *share);
-            }
-        };
         let more_threads = thread_count.min(shares.len()).saturating_sub(1);
         self.others.resize(more_threads, Vec::new());
-        thread::scope(|scope| {
-            for values in &mut self.others {
-                values.clear();
-                // Without a thread the others do its work.
-                let _ = thread::Builder::new()
-                    .name("pop".into())
-                    .spawn_scoped(scope, || work(values));
-            }
-            work(&mut self.values);
+        let own = core::iter::once(&mut self.values);
+        let mut states: Vec<_> = own.chain(&mut self.others).collect();
+        states.iter_mut().for_each(|values| values.clear());
+        share_out(shares.iter(), &mut states, |values, share| {
+            // Only of a thread that has something to do.
+            values.resize(count, T::default());
+            work(values, *share);
         });
+        self.values.resize(count, T::default());
         for other in &self.others {
             for (own, other) in self.values.iter_mut().zip(other) {
                 join(own, other);

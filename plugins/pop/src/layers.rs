@@ -95,13 +95,11 @@ impl Layers<'_> {
 
     /// Empties the layer of splats, or fills it with what the CPU has drawn.
     fn start(&self, recorder: &mut Recorder, pixels: &Buffer) -> Result<()> {
-        match self.on_cpu {
-            Some(drawn) => self.passes.gpu.write(pixels, 0, drawn.nearest()),
-            None => {
-                recorder.clear_buffer(pixels);
-                Ok(())
-            }
+        if let Some(drawn) = self.on_cpu {
+            return self.passes.gpu.write(pixels, 0, drawn.nearest());
         }
+        recorder.clear_buffer(pixels);
+        Ok(())
     }
 
     /// Draws of some kinds, by compute.

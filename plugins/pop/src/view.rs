@@ -228,7 +228,7 @@ impl PopView {
             .unwrap_or(128 << 20);
         let by_compute = match wanted.path {
             Path::Raster => false,
-            Path::Compute => true,
+            Path::Compute | Path::Cpu => true,
             Path::Auto => gpu.is_software(),
         };
         let obstacle = if buffer_bytes(size_px, wanted.is_blended()) > limit {

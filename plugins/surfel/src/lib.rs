@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod cpu_disks;
+
+use crate::cpu_disks::Disks;
 use bytemuck::{Pod, Zeroable};
 use pointstage_plugin_api::prelude::*;
 use pointstage_visibility::{Extent, Footprint, Path, Prepared, Request, Varying, VisibilityView};
@@ -58,9 +61,13 @@ impl View<Surfel> for SurfelView {
         let uniform = DiskUniform {
             scale: settings.float("splat_scale")?,
         };
+        let disks = Disks {
+            scale: uniform.scale,
+            culls_backs: settings.bool("cull_backs")?,
+        };
         let request = Request {
             path: Path::from_id(settings.choice("path")?),
-            features: if settings.bool("cull_backs")? {
+            features: if disks.culls_backs {
                 &["cull_backs"]
             } else {
                 &[]
@@ -68,6 +75,7 @@ impl View<Surfel> for SurfelView {
             extent: Extent::Any,
             bytes_per_pixel: 0,
             uniform: bytemuck::bytes_of(&uniform),
+            cpu: Some(&disks),
         };
         self.visibility
             .render(&prepared.visibility, frame, &request)

@@ -85,4 +85,11 @@ impl DrawList {
         list.draws.sort_by_key(|draw| draw.id_base);
         list
     }
+
+    /// Leaves to the blocks only what lies within some pixels.
+    pub fn narrow(&mut self, pixels: PixelRectangle) {
+        for block in &mut self.blocks {
+            block.pixels = block.pixels.common(pixels);
+        }
+    }
 }

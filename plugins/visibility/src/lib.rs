@@ -15,6 +15,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod cpu;
 mod draws;
 mod footprint;
 mod pipelines;
@@ -36,4 +37,4 @@ pub use record::{KernelGroups, record_kernels, record_quads};
 pub use rectangle::PixelRectangle;
 pub use request::{Extent, Path, Request};
 pub use targets::{TargetSet, Targets};
-pub use view::{BLOCK_STRIDE, VisibilityView, Visible};
+pub use view::{BLOCK_STRIDE, VisibilityView, Visible, rows_of};

@@ -198,6 +198,6 @@ pub(crate) fn record_shading(
 }
 
 /// The view readies its buffers before it records; not reached.
-fn missing() -> Error {
+pub(crate) fn missing() -> Error {
     Error::failed("the view's buffers were not made before recording")
 }

@@ -13,6 +13,20 @@ pub struct PixelRectangle {
     pub size: [u32; 2],
 }
 
+impl PixelRectangle {
+    /// What both hold.
+    #[must_use]
+    pub fn common(self, other: Self) -> Self {
+        let end = |rectangle: Self, axis: usize| rectangle.origin[axis] + rectangle.size[axis];
+        let origin = [0, 1].map(|axis| self.origin[axis].max(other.origin[axis]));
+        let size = [0, 1].map(|axis| {
+            let end = end(self, axis).min(end(other, axis));
+            end.saturating_sub(origin[axis])
+        });
+        Self { origin, size }
+    }
+}
+
 /// Where the splats of a draw's object can be; the whole picture if that is not known.
 pub(crate) fn rectangle_of(
     frame: &Frame<'_>,
@@ -99,6 +113,14 @@ mod tests {
             size: [31, 31],
         };
         assert_eq!(rectangle, Some(expected));
+    }
+
+    #[test]
+    fn rectangles_have_in_common_what_both_hold() {
+        let of = |origin, size| PixelRectangle { origin, size };
+        let common = of([2, 3], [10, 10]).common(of([5, 0], [20, 6]));
+        assert_eq!(common, of([5, 3], [7, 3]));
+        assert_eq!(of([0, 0], [2, 2]).common(of([5, 0], [2, 2])).size, [0, 2]);
     }
 
     #[test]

@@ -1,9 +1,12 @@
 //! How a renderer wants a frame drawn: by which path, and what it knows of its splats.
 
+use crate::cpu::Splats;
+
 /// Which way the user wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
-    /// The faster one for the device: compute on software devices and where one 64-bit maximum holds depth and id.
+    /// The faster one for the device: on software devices the CPU where it can and there are enough splats for the picture, else
+    /// compute; compute, too, where one 64-bit maximum holds depth and id; else raster.
     ///
     /// Measured: on Mesa's lavapipe compute is several times faster for splats of any size. On an NVIDIA H100 it is as fast
     /// as raster for 3,000 disks that fill the view, and 16 times as fast for 10 million (`hqss`: 59 times).
@@ -12,6 +15,8 @@ pub enum Path {
     Raster,
     /// Compute kernels with atomics.
     Compute,
+    /// The CPU finds what is visible, and the device goes on with shading.
+    Cpu,
 }
 
 impl Path {
@@ -20,7 +25,17 @@ impl Path {
         match id {
             "raster" => Self::Raster,
             "compute" => Self::Compute,
+            "cpu" => Self::Cpu,
             _ => Self::Auto,
+        }
+    }
+
+    /// What a frame reports as its path.
+    pub fn number(self) -> f64 {
+        match self {
+            Self::Auto | Self::Raster => 0.0,
+            Self::Compute => 1.0,
+            Self::Cpu => 2.0,
         }
     }
 }
@@ -73,7 +88,7 @@ impl Extent {
 /// How a renderer wants a frame drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// Raster or compute.
+    /// Raster, compute or CPU.
     pub path: Path,
     /// Features of the footprint's module.
     pub features: &'a [&'static str],
@@ -83,6 +98,8 @@ pub struct Request<'a> {
     pub bytes_per_pixel: u64,
     /// The footprint's uniform, of the size that [`crate::Footprint`] says.
     pub uniform: &'a [u8],
+    /// The same splats, drawn by the CPU; none if the CPU does not draw them, or the renderer sees to that itself.
+    pub cpu: Option<&'a dyn Splats>,
 }
 
 #[cfg(test)]

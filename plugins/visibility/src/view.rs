@@ -1,8 +1,10 @@
 //! One viewport: buffers of the picture's size, and the frame.
 
+use crate::cpu::{Bins, Nearest, Rectangle, Stage};
 use crate::draws::DrawList;
 use crate::pipelines::{Kernel, Kernels, Prepared, Source, has_int64};
-use crate::record::{record_compute, record_raster, record_shading};
+use crate::record::{missing, record_compute, record_raster, record_shading};
+use crate::rectangle::PixelRectangle;
 use crate::request::{Path, Request};
 use crate::targets::Targets;
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
@@ -51,8 +53,12 @@ struct ShadingGroup {
 /// What is visible, where the next step finds it.
 #[derive(Clone, Copy, Debug)]
 pub struct Visible {
-    /// By which path.
+    /// In textures or in a buffer.
     pub source: Source,
+    /// The path taken: not [`Path::Auto`].
+    pub path: Path,
+    /// Where anything can be visible.
+    pub pixels: PixelRectangle,
     /// The texture of ids, or the buffer of pixels (id and depth bits).
     pub ids: Handle,
     /// The depth texture, or the same buffer.
@@ -69,6 +75,8 @@ pub struct VisibilityView {
     pub(crate) compute: Option<ComputeBuffers>,
     blocks: Option<BlockUniforms>,
     shading_group: Option<ShadingGroup>,
+    bins: Bins,
+    nearest: Nearest,
     warned: bool,
 }
 
@@ -91,6 +99,8 @@ impl VisibilityView {
             compute: None,
             blocks: None,
             shading_group: None,
+            bins: Bins::default(),
+            nearest: Nearest::default(),
             warned: false,
         })
     }
@@ -105,7 +115,7 @@ impl VisibilityView {
         frame: &mut Frame<'_>,
         request: &Request<'_>,
     ) -> Result<Outcome> {
-        let list = DrawList::of(frame, request.extent.reach_px());
+        let mut list = DrawList::of(frame, request.extent.reach_px());
         let targets = Targets::of(frame);
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
@@ -115,7 +125,7 @@ impl VisibilityView {
         let own = [targets.id(), targets.level(), targets.depth];
         let visible = self.record_visible(prepared, frame, request, &list, own, &mut recorder)?;
         let source = visible.source;
-        let by_compute = source == Source::Pixels;
+        list.narrow(visible.pixels);
         let set = match source {
             Source::Pixels => targets.all(),
             Source::Ids => targets.without_visibility(),
@@ -135,14 +145,14 @@ impl VisibilityView {
         }
         frame.submit(recorder);
         frame.report(statistics::SURFELS_SELECTED, list.surfel_count as f64);
-        frame.report(statistics::PATH, f64::from(u8::from(by_compute)));
+        frame.report(statistics::PATH, visible.path.number());
         Ok(Outcome::Done)
     }
 
     /// Records the first step alone: the nearest surfel of each pixel, of a list that is not empty.
     ///
     /// The raster path writes id, level and depth into those targets that are given, and into textures of its own otherwise;
-    /// the compute path writes none of them.
+    /// the other paths write none of them. If the CPU draws, it is done when this returns.
     ///
     /// # Errors
     /// If the device refuses a resource or a shader.
@@ -156,18 +166,34 @@ impl VisibilityView {
         recorder: &mut Recorder,
     ) -> Result<Visible> {
         let gpu = &prepared.gpu;
+        let [_, level, _] = targets;
+        if let Some(splats) = request.cpu
+            && let Some(stage) = self.cpu_stage(gpu, frame, request, list, level.is_some())
+        {
+            let mut nearest = core::mem::take(&mut self.nearest);
+            nearest.resize(frame.size_px());
+            let reached = splats.draw(&stage, frame.thread_count(), &mut self.bins, &mut nearest);
+            let visible = self.write_visible(prepared, request, &nearest, reached);
+            self.nearest = nearest;
+            return visible;
+        }
         gpu.write(&self.uniform, 0, request.uniform)?;
         let features = features_of(request, list);
-        let [_, level, _] = targets;
+        let pixels = PixelRectangle {
+            origin: [0, 0],
+            size: frame.size_px(),
+        };
         if self.takes_compute(gpu, frame.size_px(), request, list, level.is_some()) {
             let kernels = compute_kernels(prepared, request, &features)?;
             self.ready_compute(prepared, frame.size_px())?;
             let frame = frame.group();
-            let pixels = record_compute(recorder, self, frame, list, &kernels, request.extent)?;
+            let buffer = record_compute(recorder, self, frame, list, &kernels, request.extent)?;
             return Ok(Visible {
                 source: Source::Pixels,
-                ids: pixels,
-                depths: pixels,
+                path: Path::Compute,
+                pixels,
+                ids: buffer,
+                depths: buffer,
             });
         }
         self.ready_raster(gpu, frame.size_px())?;
@@ -177,8 +203,69 @@ impl VisibilityView {
             record_raster(recorder, self, prepared, group, list, targets, &pipeline)?;
         Ok(Visible {
             source: Source::Ids,
+            path: Path::Raster,
+            pixels,
             ids,
             depths,
+        })
+    }
+
+    /// What the CPU is to draw, if it draws this frame.
+    ///
+    /// * `has_level`: whether each draw's level is asked for.
+    pub fn cpu_stage<'f>(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame<'f>,
+        request: &Request<'_>,
+        list: &DrawList,
+        has_level: bool,
+    ) -> Option<Stage<'f>> {
+        let size_px = frame.size_px();
+        let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
+        let is_wanted = match request.path {
+            Path::Raster | Path::Compute => false,
+            Path::Cpu => true,
+            Path::Auto => gpu.is_software() && list.surfel_count * PIXELS_A_SPLAT > pixels,
+        };
+        if !is_wanted || obstacle(gpu, size_px, request, list, has_level).is_some() {
+            return None;
+        }
+        let stage = Stage::of(frame);
+        if stage.is_none() && request.path == Path::Cpu {
+            self.warn("drawn by compute, not by the CPU: the device alone knows which surfels are drawn, or the CPU lacks their columns");
+        }
+        stage
+    }
+
+    /// Brings what the CPU has drawn to the device, as the compute path would leave it.
+    ///
+    /// * `reached`: where `nearest` can hold anything.
+    ///
+    /// # Errors
+    /// If the device refuses a resource.
+    pub fn write_visible(
+        &mut self,
+        prepared: &Prepared,
+        request: &Request<'_>,
+        nearest: &Nearest,
+        reached: Rectangle,
+    ) -> Result<Visible> {
+        let gpu = &prepared.gpu;
+        gpu.write(&self.uniform, 0, request.uniform)?;
+        let size_px = nearest.size_px();
+        self.ready_compute(prepared, size_px)?;
+        let buffers = self.compute.as_ref().ok_or_else(missing)?;
+        // Shading may look at the next pixels, too.
+        let rows = rows_of(reached.pixels(1, size_px), size_px);
+        let pixels = nearest.pixels().get(rows.clone()).unwrap_or_default();
+        gpu.write(&buffers.pixels, PIXEL_BYTES * rows.start as u64, pixels)?;
+        Ok(Visible {
+            source: Source::Pixels,
+            path: Path::Cpu,
+            pixels: reached.pixels(0, size_px),
+            ids: buffers.pixels.as_handle(),
+            depths: buffers.pixels.as_handle(),
         })
     }
 
@@ -199,30 +286,29 @@ impl VisibilityView {
     ) -> bool {
         let wanted = match request.path {
             Path::Raster => false,
-            Path::Compute => true,
+            Path::Compute | Path::Cpu => true,
             Path::Auto => gpu.is_software() || has_int64(gpu),
         };
         if !wanted {
             return false;
         }
-        let limit = gpu
-            .limit("max_storage_buffer_binding_size")
-            .unwrap_or(128 << 20);
-        let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
-        let obstacle = if pixels * request.bytes_per_pixel.max(PIXEL_BYTES) > limit {
-            "the picture has more pixels than a storage buffer of this device holds"
-        } else if list.mixes_levels && has_level {
-            "the 'lod' target is asked for, and draws of one block have different levels"
-        } else {
+        let Some(obstacle) = obstacle(gpu, size_px, request, list, has_level) else {
             return true;
         };
-        if request.path == Path::Compute && !self.warned {
-            self.warned = true;
-            self.host.performance_warning(&format!(
-                "drawn by the raster path, not by compute: {obstacle}"
+        if matches!(request.path, Path::Compute | Path::Cpu) {
+            self.warn(&format!(
+                "drawn by the raster path, not by compute or the CPU: {obstacle}"
             ));
         }
         false
+    }
+
+    /// Tells once that what was asked for cannot be had.
+    fn warn(&mut self, why: &str) {
+        if !self.warned {
+            self.warned = true;
+            self.host.performance_warning(why);
+        }
     }
 
     /// Textures of the raster path, of this size.
@@ -395,6 +481,36 @@ fn compute_kernels(
         .map(|&kernel| prepared.compute(&features, kernel))
         .collect()
 }
+
+/// Why what is visible cannot be kept in a buffer.
+fn obstacle(
+    gpu: &Gpu,
+    size_px: [u32; 2],
+    request: &Request<'_>,
+    list: &DrawList,
+    has_level: bool,
+) -> Option<&'static str> {
+    let limit = gpu
+        .limit("max_storage_buffer_binding_size")
+        .unwrap_or(128 << 20);
+    let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
+    if pixels * request.bytes_per_pixel.max(PIXEL_BYTES) > limit {
+        Some("the picture has more pixels than a storage buffer of this device holds")
+    } else if list.mixes_levels && has_level {
+        Some("the 'lod' target is asked for, and draws of one block have different levels")
+    } else {
+        None
+    }
+}
+
+/// Places of a rectangle's rows in a buffer of all pixels.
+pub fn rows_of(pixels: PixelRectangle, size_px: [u32; 2]) -> core::ops::Range<usize> {
+    let row = |row: u32| row as usize * size_px[0] as usize;
+    row(pixels.origin[1])..row(pixels.origin[1] + pixels.size[1])
+}
+
+/// Emptying and bringing to the device this many pixels takes the CPU as long as it saves on a splat.
+const PIXELS_A_SPLAT: u64 = 16;
 
 /// Bytes of a pixel of the compute path: id and depth.
 const PIXEL_BYTES: u64 = 8;
