@@ -2,7 +2,7 @@
 //! `quality`, `pop`.
 //!
 //! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
-//! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate, so that
+//! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate but `pointstage-plot`, which depends on none, so that
 //! `cargo xtask run` on a fresh clone speaks after a second and not after the whole dependency tree.
 
 use std::process::ExitCode;
@@ -16,7 +16,6 @@ mod markdown;
 mod out;
 mod paths;
 mod pictures;
-mod plot;
 mod ply;
 mod pop;
 mod process;
