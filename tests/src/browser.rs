@@ -36,15 +36,11 @@ pub fn find() -> Option<PathBuf> {
 /// # Errors
 /// When the browser does not start or says nothing.
 pub fn document(browser: &Path, page: &Path, home: &Path) -> Result<String> {
-    let mut command = Command::new(browser);
+    let mut command = open(browser, home);
     command
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
-        // Frames of files from the same folder may talk to each other.
-        .args(["--allow-file-access-from-files", "--virtual-time-budget=10000"])
-        .arg(format!("--user-data-dir={}", home.join("browser").display()))
-        .args(["--window-size=1200,900", "--dump-dom"])
-        .arg(format!("file://{}", page.display()))
-        .env("HOME", home);
+        .args(["--virtual-time-budget=10000", "--window-size=1200,900"])
+        .arg("--dump-dom")
+        .arg(url(page));
     let finished = finish(command, TIME_LIMIT).context("running the browser")?;
     ensure!(
         finished.stdout.contains("<html"),
@@ -52,4 +48,51 @@ pub fn document(browser: &Path, page: &Path, home: &Path) -> Result<String> {
         finished.stderr
     );
     Ok(finished.stdout)
+}
+
+/// What the page looks like in a window of this size, px.
+///
+/// * `home`: a folder for the browser's own files.
+///
+/// # Errors
+/// When the browser does not start or draws nothing.
+pub fn picture(
+    browser: &Path,
+    page: &Path,
+    home: &Path,
+    [width, height]: [u32; 2],
+) -> Result<image::RgbaImage> {
+    let file = home.join("page.png");
+    let mut command = open(browser, home);
+    command
+        .arg(format!("--window-size={width},{height}"))
+        .args(["--hide-scrollbars", "--virtual-time-budget=5000"])
+        .arg(format!("--screenshot={}", file.display()))
+        .arg(url(page));
+    let finished = finish(command, TIME_LIMIT).context("running the browser")?;
+    crate::compare::read(&file).with_context(|| format!("no picture: {}", finished.stderr))
+}
+
+/// The browser without a window, in a world of its own.
+fn open(browser: &Path, home: &Path) -> Command {
+    let mut command = Command::new(browser);
+    command
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--no-first-run",
+        ])
+        // Frames of files from the same folder may talk to each other.
+        .arg("--allow-file-access-from-files")
+        .arg(format!(
+            "--user-data-dir={}",
+            home.join("browser").display()
+        ))
+        .env("HOME", home);
+    command
+}
+
+fn url(page: &Path) -> String {
+    format!("file://{}", page.display())
 }

@@ -42,7 +42,10 @@ fn known_sleeps_are_measured_where_they_happen() -> Result<()> {
         let empty = of(0, &format!("times/{part}/median"))?;
         let asleep = of(1, &format!("times/{part}/median"))?;
         assert!(empty < 20.0, "{part} of an empty picture: {empty} ms");
-        assert!((40.0..80.0).contains(&asleep), "{part} of 40 ms: {asleep} ms");
+        assert!(
+            (40.0..80.0).contains(&asleep),
+            "{part} of 40 ms: {asleep} ms"
+        );
     }
     assert_eq!(of(0, "times/frames")?, 9.0);
     for renderer in 0..3 {
@@ -72,7 +75,10 @@ fn several_scenes_are_written_as_tables_and_plots() -> Result<()> {
     for (scene, surfels) in [(0, 500), (1, 900)] {
         assert_eq!(report["scenes"][scene]["surfels"], surfels);
         let ratio = |renderer: usize| {
-            number(&report, &format!("/scenes/{scene}/renderers/{renderer}/ratio"))
+            number(
+                &report,
+                &format!("/scenes/{scene}/renderers/{renderer}/ratio"),
+            )
         };
         assert_eq!(ratio(0)?, 1.0);
         assert!(ratio(1)? > 1.0);
@@ -81,12 +87,24 @@ fn several_scenes_are_written_as_tables_and_plots() -> Result<()> {
     let written: Value = serde_json::from_str(&std::fs::read_to_string(speed.join("bench.json"))?)?;
     assert_eq!(written, report);
     let page = std::fs::read_to_string(speed.join("bench.md"))?;
-    for part in ["| scene | surfels | fallback | sleeper-sleep_ms-30 |", "| larger | 900 |", "--frames 4"] {
+    for part in [
+        "| scene | surfels | fallback | sleeper-sleep_ms-30 |",
+        "| larger | 900 |",
+        "--frames 4",
+    ] {
         assert!(page.contains(part), "no '{part}' in\n{page}");
     }
-    for name in ["frames_per_second.svg", "splats_per_second.svg", "times_0.svg", "times_1.svg"] {
+    for name in [
+        "frames_per_second.svg",
+        "splats_per_second.svg",
+        "times_0.svg",
+        "times_1.svg",
+    ] {
         let svg = std::fs::read_to_string(speed.join(name))?;
-        assert!(svg.starts_with("<svg") && svg.contains("sleeper-sleep_ms"), "{name}");
+        assert!(
+            svg.starts_with("<svg") && svg.contains("sleeper-sleep_ms"),
+            "{name}"
+        );
     }
     Ok(())
 }
@@ -105,9 +123,23 @@ fn limits_that_are_broken_end_with_1_after_all_is_written() -> Result<()> {
     assert_eq!(kept.code(), Some(0), "{}", kept.stderr);
     let broken = bench("--fail-above ms=10 --fail-below fps=1000")?;
     assert_eq!(broken.code(), Some(1), "{}", broken.stderr);
-    assert!(broken.stdout.contains("sleeper-sleep_ms-30"), "{}", broken.stdout);
-    for part in ["2 values are beyond the limits", "on sphere: ms is 3", "above 10", "fps is", "below 1000"] {
-        assert!(broken.stderr.contains(part), "no '{part}' in {}", broken.stderr);
+    assert!(
+        broken.stdout.contains("sleeper-sleep_ms-30"),
+        "{}",
+        broken.stdout
+    );
+    for part in [
+        "2 values are beyond the limits",
+        "on sphere: ms is 3",
+        "above 10",
+        "fps is",
+        "below 1000",
+    ] {
+        assert!(
+            broken.stderr.contains(part),
+            "no '{part}' in {}",
+            broken.stderr
+        );
     }
 
     let compare = "compare sphere.ply --no-device --renderers fallback --reference ewa-reference --size 64x48 --out apart";
@@ -116,7 +148,11 @@ fn limits_that_are_broken_end_with_1_after_all_is_written() -> Result<()> {
     let guarded = format!("{compare} --fail-above flip=0.0001 --fail-below psnr=90");
     let broken = shell.run(&guarded)?;
     assert_eq!(broken.code(), Some(1), "{}", broken.stderr);
-    assert!(broken.stderr.contains("fallback: flip is 0."), "{}", broken.stderr);
+    assert!(
+        broken.stderr.contains("fallback: flip is 0."),
+        "{}",
+        broken.stderr
+    );
     assert!(shell.folder().join("apart/report.html").is_file());
     Ok(())
 }
@@ -125,11 +161,26 @@ fn limits_that_are_broken_end_with_1_after_all_is_written() -> Result<()> {
 fn what_bench_and_sweep_cannot_understand_is_a_usage_error_that_names_it() -> Result<()> {
     let shell = Shell::new()?;
     let cases: [(&str, &[&str]); 9] = [
-        ("bench none.ply --renderers surfle", &["did you mean 'surfel'?"]),
-        ("bench none.ply --renderers fallback --frames 0", &["--frames"]),
-        ("bench none.ply --renderers fallback --fail-above fpz=3", &["--fail-above fpz", "first_ms"]),
-        ("bench none.ply --renderers fallback --fail-above ms", &["QUANTITY=NUMBER"]),
-        ("bench none.ply --renderers fallback --baseline surfel", &["--baseline surfel", "not among"]),
+        (
+            "bench none.ply --renderers surfle",
+            &["did you mean 'surfel'?"],
+        ),
+        (
+            "bench none.ply --renderers fallback --frames 0",
+            &["--frames"],
+        ),
+        (
+            "bench none.ply --renderers fallback --fail-above fpz=3",
+            &["--fail-above fpz", "first_ms"],
+        ),
+        (
+            "bench none.ply --renderers fallback --fail-above ms",
+            &["QUANTITY=NUMBER"],
+        ),
+        (
+            "bench none.ply --renderers fallback --baseline surfel",
+            &["--baseline surfel", "not among"],
+        ),
         (
             "sweep none.ply --renderer hqss --set-range scale=0.5:2:9 --reference hqss --out s",
             &["no setting 'scale'; did you mean 'splat_scale'?"],
@@ -167,7 +218,10 @@ fn a_sweep_draws_each_value_and_plots_what_it_does() -> Result<()> {
     assert_eq!(finished.code(), Some(0), "{}", finished.stderr);
     let sweep: Value = serde_json::from_str(&finished.stdout)?;
     let values = sweep["values"].as_array().context("an array")?;
-    let texts: Vec<&str> = values.iter().filter_map(|value| value["value"].as_str()).collect();
+    let texts: Vec<&str> = values
+        .iter()
+        .filter_map(|value| value["value"].as_str())
+        .collect();
     assert_eq!(texts, ["0.5", "1", "2"]);
     // The setting's own default is the reference itself.
     assert_eq!(values[1]["whole"]["identical"], true);
@@ -179,7 +233,12 @@ fn a_sweep_draws_each_value_and_plots_what_it_does() -> Result<()> {
         let svg = std::fs::read_to_string(folder.join(name))?;
         assert!(svg.contains("splat_scale"), "{name}");
     }
-    for name in ["metrics.json", "report.html", "sweep.json", "ewa-reference-splat_scale-2_000.png"] {
+    for name in [
+        "metrics.json",
+        "report.html",
+        "sweep.json",
+        "ewa-reference-splat_scale-2_000.png",
+    ] {
         assert!(folder.join(name).is_file(), "{name}");
     }
     Ok(())

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use pointstage_tests::browser;
-use pointstage_tests::data::skip;
+use pointstage_tests::data::{repository, sample, skip};
+use pointstage_tests::{browser, golden};
 use serde_json::Value;
 
 use super::Shell;
@@ -77,7 +77,10 @@ fn probed(browser: &Path, folder: &Path) -> Result<Vec<Value>> {
     let told = document.split("<p class=\"found\">").skip(1);
     let told = told.map(|part| {
         let text = part.split("</p>").next().unwrap_or_default();
-        let text = text.replace("&quot;", "\"").replace("&gt;", ">").replace("&lt;", "<");
+        let text = text
+            .replace("&quot;", "\"")
+            .replace("&gt;", ">")
+            .replace("&lt;", "<");
         serde_json::from_str(&text.replace("&amp;", "&")).with_context(|| text.clone())
     });
     told.collect()
@@ -118,10 +121,41 @@ fn the_report_works_in_a_browser_on_a_desk_and_on_a_phone() -> Result<()> {
         // The page's own policy keeps a script from the network.
         assert_eq!(found["fetched"], "refused", "{said}");
         assert!(count("refusals")? >= 1, "{said}");
-        assert!(count("needed")? <= count("width")?, "it scrolls sideways: {said}");
+        assert!(
+            count("needed")? <= count("width")?,
+            "it scrolls sideways: {said}"
+        );
     }
-    let mut widths: Vec<u64> = found.iter().filter_map(|found| found["width"].as_u64()).collect();
+    let mut widths: Vec<u64> = found
+        .iter()
+        .filter_map(|found| found["width"].as_u64())
+        .collect();
     widths.sort_unstable();
     assert_eq!(widths, [375, 1100]);
     Ok(())
+}
+
+/// Size of the README's picture, px: down to where the first view begins.
+const PICTURE_PX: [u32; 2] = [1160, 1560];
+
+#[test]
+fn the_report_is_shown_in_the_readme() -> Result<()> {
+    if std::env::var_os("POINTSTAGE_PICTURES").is_none() {
+        return Ok(());
+    }
+    let browser = browser::find().context("the picture of a report needs Chromium")?;
+    let shell = Shell::new()?;
+    let line = format!(
+        "compare {} --renderers surfel,hqss,points:size_mode=attenuated --reference ewa-reference --views orbit:6 --out apart",
+        sample("knotted_snake.ply").display()
+    );
+    let finished = shell.run(&line)?;
+    assert_eq!(finished.code(), Some(0), "{}", finished.stderr);
+    let page = shell.folder().join("apart/report.html");
+    let mut shown = browser::picture(&browser, &page, shell.folder(), PICTURE_PX)?;
+    // Five bits a channel: it looks the same, and the file has half the size.
+    for channel in shown.pixels_mut().flat_map(|pixel| &mut pixel.0[..3]) {
+        *channel = *channel & 0xF8 | *channel >> 5;
+    }
+    golden::write(&shown, &repository().join("docs/pictures/report.png"))
 }

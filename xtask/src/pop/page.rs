@@ -1,5 +1,7 @@
 //! The page: tables and graphs in the thesis's order.
 
+use pointstage_plot::Look;
+
 use super::plan::{FRAMES, SIZE_PX, THRESHOLD, TURN_DEG, WARM_UP};
 use super::{Findings, goals, graphs, tables, thesis};
 use crate::Outcome;

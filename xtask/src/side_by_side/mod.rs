@@ -139,7 +139,7 @@ fn found(path: &str) -> Option<PathBuf> {
 }
 
 fn read(file: &Path) -> Outcome<Value> {
-    let text =
-        std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", paths::shown(file)))?;
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| format!("{}: {error}", paths::shown(file)))?;
     Value::parse(&text).ok_or_else(|| format!("{}: this is no JSON", paths::shown(file)))
 }

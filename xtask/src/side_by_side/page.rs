@@ -133,9 +133,8 @@ mod tests {
 
     #[test]
     fn the_thesis_stands_beside_what_was_measured() {
-        let renderer = |fps: f64| {
-            format!(r#"{{"frames_per_second": {fps}, "splats_per_second": 1000}}"#)
-        };
+        let renderer =
+            |fps: f64| format!(r#"{{"frames_per_second": {fps}, "splats_per_second": 1000}}"#);
         let renderers: Vec<String> = [50.0, 60.0, 0.25, 40.0, 30.0, 41.0].map(renderer).to_vec();
         let json = format!(
             r#"{{"made_by": {{"adapter": {{"name": "X"}}}}, "scenes": [{{"name": "bunny", "surfels": 35947, "renderers": [{}]}}]}}"#,
@@ -143,24 +142,40 @@ mod tests {
         );
         let measured = Value::parse(&json).expect("JSON");
         let page = markdown(&[&MODELS[0]], &measured);
-        let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| face.sfl")).collect();
+        let rows: Vec<&str> = page
+            .lines()
+            .filter(|line| line.starts_with("| face.sfl"))
+            .collect();
         let cells = |row: &str| -> Vec<String> {
-            row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()
+            row.trim_matches('|')
+                .split('|')
+                .map(|cell| cell.trim().to_owned())
+                .collect()
         };
         let ours = ["face.sfl (40880)", "bunny (35947)"];
-        assert_eq!(cells(rows[0]), [&ours[..], &["80", "3270400", "40", "1000"]].concat());
+        assert_eq!(
+            cells(rows[0]),
+            [&ours[..], &["80", "3270400", "40", "1000"]].concat()
+        );
         assert_eq!(
             cells(rows[1]),
             [&ours[..], &["3", "5", "90", "80", "50", "60", "0.2", "40"]].concat()
         );
-        assert_eq!(cells(rows[2]), [&ours[..], &["80", "100", "30", "41"]].concat());
+        assert_eq!(
+            cells(rows[2]),
+            [&ours[..], &["80", "100", "30", "41"]].concat()
+        );
         assert!(page.contains(" on X;"), "{page}");
     }
 
     #[test]
     fn what_was_not_measured_is_a_dash() {
-        let measured = Value::parse(r#"{"scenes": [{"name": "a", "surfels": 1, "renderers": []}]}"#);
+        let measured =
+            Value::parse(r#"{"scenes": [{"name": "a", "surfels": 1, "renderers": []}]}"#);
         let page = markdown(&[&MODELS[0]], &measured.expect("JSON"));
-        assert!(page.contains("–") && page.contains("no graphics device"), "{page}");
+        assert!(
+            page.contains("–") && page.contains("no graphics device"),
+            "{page}"
+        );
     }
 }

@@ -66,5 +66,9 @@ fn flip_is_nvidias() {
     let regions = Regions::new(SIZE_PX, &[true; 96 * 64]).expect("one a pixel");
     let measured = measure(&reference, &picture, &regions).expect("one size");
     assert_near("FLIP, mean", measured.whole.flip_mean, 0.092_895_053_327);
-    assert_near("FLIP, 99th percentile", measured.whole.flip_p99, 0.622_572_66);
+    assert_near(
+        "FLIP, 99th percentile",
+        measured.whole.flip_p99,
+        0.622_572_66,
+    );
 }

@@ -313,13 +313,17 @@ fn draw_warm(stage: &mut Stage, request: &FrameRequest) -> Outcome<(FrameResult,
     draw(stage, request)
 }
 
-/// A target's key as a part of a file's name.
+/// A target's key as a part of a file's name, other than those of maps.
 fn safe(key: &str) -> String {
     let letters = key.chars().map(|letter| match letter {
-        'a'..='z' | 'A'..='Z' | '0'..='9' | '_' => letter,
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '_' | '.' => letter,
         _ => '-',
     });
-    letters.take(40).collect()
+    let name: String = letters.take(40).collect();
+    match name.as_str() {
+        "flip" | "difference" => format!("{name}-target"),
+        _ => name,
+    }
 }
 
 /// A picture without its alpha: over an opaque background there is nothing in it.
