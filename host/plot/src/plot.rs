@@ -94,7 +94,7 @@ impl Frame {
             Look::Page => Self {
                 width: 480.0,
                 left: 70.0,
-                right: 464.0,
+                right: 452.0,
                 top: 40.0,
                 bottom: 290.0,
                 legend: Legend::Below,

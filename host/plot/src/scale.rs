@@ -5,6 +5,8 @@
 pub enum Scale {
     /// From zero, in equal steps.
     Linear,
+    /// The same in whole steps: for what is counted.
+    Whole,
     /// In equal steps around the values: for quantities whose zero says nothing, such as decibels.
     Span,
     /// At powers of ten, and at 2 and 5 times them where those are few.
@@ -32,10 +34,15 @@ impl Scale {
         let values: Vec<f64> = values.filter(|value| self.shows(*value)).collect();
         let highest = values.iter().copied().reduce(f64::max).unwrap_or(1.0);
         let at = match self {
-            Self::Linear => {
+            Self::Linear | Self::Whole => {
                 // Nothing but zeros still needs an axis with a length.
                 let highest = if highest > 0.0 { highest } else { 1.0 };
                 let step = nice_step(highest / STEPS);
+                let step = if self == Self::Whole {
+                    step.max(1.0)
+                } else {
+                    step
+                };
                 let count = (highest / step).ceil().max(1.0) as u32;
                 (0..=count).map(|index| f64::from(index) * step).collect()
             }
@@ -102,7 +109,7 @@ impl Ticks {
     pub(crate) fn part(&self, value: f64) -> f64 {
         let (first, last) = (self.at[0], self.at[self.at.len() - 1]);
         match self.scale {
-            Scale::Linear | Scale::Span => (value - first) / (last - first),
+            Scale::Linear | Scale::Whole | Scale::Span => (value - first) / (last - first),
             Scale::Log => (value / first).ln() / (last / first).ln(),
         }
     }
@@ -136,6 +143,7 @@ mod tests {
         );
         assert_eq!(ticks(Scale::Linear, &[]).first(), Some(&0.0));
         assert_eq!(ticks(Scale::Linear, &[0.0]), ticks(Scale::Linear, &[1.0]));
+        assert_eq!(ticks(Scale::Whole, &[2.0]), [0.0, 1.0, 2.0]);
     }
 
     #[test]

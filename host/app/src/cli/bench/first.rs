@@ -38,6 +38,9 @@ pub(super) fn make_contact(
             None => drawing.push(entry),
         }
     }
+    if drawing.is_empty() {
+        return Err(entries::nobody_draws());
+    }
     for entry in &drawing {
         let suitable = |stand: &&Stand| entry.reason_against(stage, &stand.scene).is_none();
         if let Some(stand) = stands.iter().find(suitable) {

@@ -193,6 +193,13 @@ pub(crate) fn find_all(stage: &Stage, texts: &[EntryText]) -> Outcome<Vec<Entry>
     Ok(found)
 }
 
+/// Nobody can draw what is asked for.
+pub(crate) fn nobody_draws() -> Failure {
+    Failure::Failed(anyhow::anyhow!(
+        "no renderer can draw the scene; 'pointstage plugins list' says which there are and what they need"
+    ))
+}
+
 /// The renderers that draw the scene. One that was named must be able to; of 'all', those that can are taken.
 ///
 /// * `reference`: is not compared with itself when all are asked for.
@@ -212,9 +219,7 @@ pub(crate) fn those_that_draw(
         }
     }
     if drawing.is_empty() {
-        return Err(Failure::Failed(anyhow::anyhow!(
-            "no renderer can draw the scene; 'pointstage plugins list' says which there are and what they need"
-        )));
+        return Err(nobody_draws());
     }
     Ok(drawing)
 }

@@ -3,7 +3,7 @@
 use pointstage_plot::{Axis, Bar, Bars, Look, Plot, Scale, Series, Stroke, colour};
 
 use super::html;
-use crate::cli::compare::report::{Mean, Report};
+use crate::cli::compare::report::{Mean, RendererReport, Report};
 
 /// All charts that there is something to show in.
 pub(super) fn all(report: &Report) -> String {
@@ -88,7 +88,7 @@ fn by_view(
     report: &Report,
     title: &str,
     y: &str,
-    number: fn(&super::RendererReport) -> Option<f64>,
+    number: fn(&RendererReport) -> Option<f64>,
 ) -> Option<String> {
     if report.views.len() < 2 {
         return None;
@@ -114,7 +114,7 @@ fn by_view(
     };
     let plot = Plot {
         title: title.to_owned(),
-        x: axis("view", Scale::Linear),
+        x: axis("view", Scale::Whole),
         y: axis(y, scale),
         series,
         notes: Vec::new(),

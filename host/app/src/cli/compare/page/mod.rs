@@ -15,7 +15,7 @@ mod stage;
 
 use std::path::Path;
 
-use super::report::{MeasuredBy, RendererReport, Report};
+use super::report::{MeasuredBy, Report};
 use super::targets::Targets;
 use crate::cli::Outcome;
 use embed::Pictures;
