@@ -24,7 +24,10 @@ pub(super) fn all(report: &Report) -> String {
         .into_iter()
         .flatten()
         .map(|svg| format!("<figure>{svg}</figure>\n"));
-    format!("<div class=charts>{}</div>\n", figures.collect::<String>())
+    format!(
+        "<h2 id=charts>Charts</h2>\n<div class=charts>{}</div>\n",
+        figures.collect::<String>()
+    )
 }
 
 /// How wrong against how long: the renderers nearest to the lower left corner leave the others behind.

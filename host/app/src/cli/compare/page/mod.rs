@@ -1,7 +1,7 @@
 //! `report.html`: what was found, in one file that needs nothing else: no server, no network, no folder beside it.
 //!
 //! The page is readable without its script; with it, two pictures lie on each other under a slider ([`stage`]). The numbers
-//! come first ([`numbers`], [`charts`]), then the stage, then every picture and map by view ([`shots`]), then all that is
+//! come first ([`numbers`]), then the stage, [`charts`], every picture and map by view ([`shots`]), then all that is
 //! needed to make it again ([`made`]). Pictures are in it as data URLs ([`embed`]); a content security policy forbids every
 //! request.
 
@@ -36,8 +36,8 @@ pub(super) fn of(report: &Report, targets: &Targets, folder: &Path) -> Outcome<S
     let sections = [
         head(report, &title),
         numbers::means(report),
-        charts::all(report),
         stage::stage(report),
+        charts::all(report),
         shots::all(report, targets, &pictures),
         numbers::by_view(report),
         made::section(report, &pictures.note),
