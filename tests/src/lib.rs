@@ -5,12 +5,14 @@
 //! * [`render`] draws such scenes with one fixed view; [`stages`] is the engine without the program around it.
 //! * [`models`] makes scenes in memory; [`shots`] draws them with `points` and `surfel`, target by target.
 //! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
+//! * [`browser`] opens a page in a browser without a window.
 //! * [`plugins`] builds the misbehaving plugins of `tests/plugins/`.
 //! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
 //!
 //! A test that cannot run on this machine prints one line that begins with `skipped: ` and returns; `cargo xtask test`
 //! counts those lines.
 
+pub mod browser;
 pub mod compare;
 pub mod data;
 pub mod golden;

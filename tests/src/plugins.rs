@@ -103,6 +103,16 @@ pub fn everything() -> Result<PathBuf> {
     })
 }
 
+/// The library of a CPU renderer that takes as long as it is told, `sleeper`.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn sleeper() -> Result<PathBuf> {
+    once("sleeper", || {
+        build(&repository().join("tests/plugins"), "sleeper", &[])
+    })
+}
+
 /// The library that misbehaves while it is loaded, under a file name that asks for `fault`.
 ///
 /// # Errors

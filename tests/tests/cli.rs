@@ -1,7 +1,11 @@
 //! The command line as a script meets it: exit codes, messages on standard error, results on standard output.
 
+#[path = "cli/bench.rs"]
+mod bench;
 #[path = "cli/compare.rs"]
 mod compare_command;
+#[path = "cli/page.rs"]
+mod page;
 #[path = "cli/session.rs"]
 mod session;
 
@@ -233,12 +237,14 @@ fn what_no_command_understands_is_a_usage_error() -> Result<()> {
 #[test]
 fn help_names_every_command_and_option_and_is_no_error() -> Result<()> {
     let shell = Shell::new()?;
-    let cases: [(&str, &[&str]); 6] = [
+    let cases: [(&str, &[&str]); 8] = [
         (
             "--help",
             &[
                 "render",
                 "compare",
+                "bench",
+                "sweep",
                 "info",
                 "plugins",
                 "--backend",
@@ -264,6 +270,11 @@ fn help_names_every_command_and_option_and_is_no_error() -> Result<()> {
             "compare --help",
             &["--renderers", "--reference", "--views", "Examples"],
         ),
+        (
+            "bench --help",
+            &["--renderers", "--path", "--fail-above", "Examples"],
+        ),
+        ("sweep --help", &["--set-range", "--reference", "Examples"]),
         ("info --help", &["--json", "Examples"]),
         (
             "plugins --help",

@@ -1,8 +1,8 @@
 //! The repository's own commands: `cargo xtask run`, `test`, `bless`, `pictures`, `sample`, `bench`,
-//! `quality`, `pop`.
+//! `quality`, `pop`, `side-by-side`.
 //!
 //! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
-//! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate, so that
+//! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate but `pointstage-plot`, which depends on none, so that
 //! `cargo xtask run` on a fresh clone speaks after a second and not after the whole dependency tree.
 
 use std::process::ExitCode;
@@ -16,7 +16,6 @@ mod markdown;
 mod out;
 mod paths;
 mod pictures;
-mod plot;
 mod ply;
 mod pop;
 mod process;
@@ -24,6 +23,7 @@ mod quality;
 mod run;
 mod sample;
 mod setup;
+mod side_by_side;
 mod test;
 mod test_log;
 
@@ -47,6 +47,8 @@ Usage: cargo xtask COMMAND
   pop [OUT] [--with PROGRAM]     measure the renderer pop as a diploma thesis on POP measured its own, and set both side by
                                  side; tables and plots go to OUT, target/pop unless given. PROGRAM is the benchmark 'pop',
                                  built before; without it, all is built first
+  side-by-side [OUT]             reports of all renderers on a small and a large scan, and the tables of a thesis on HQSS
+                                 measured again; they go to OUT, target/side-by-side unless given
 ";
 
 fn main() -> ExitCode {
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
         "bench" => bench::bench(rest),
         "quality" => quality::quality(rest),
         "pop" => pop::pop(rest),
+        "side-by-side" => side_by_side::side_by_side(rest),
         "help" | "--help" | "-h" => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -86,6 +86,24 @@ const TESTS: &[Need] = &[
     library("libEGL.so.1", "libegl1"),
 ];
 
+/// A test opens a report in a browser, and skips without one. Only the gate installs it: on a desk it is somebody's choice.
+const BROWSER: Need = Need {
+    what: "Chromium, a browser",
+    look: Look::Program("chromium"),
+    debian_package: "chromium",
+};
+
+/// Installs the browser where nobody minds and nothing depends on it.
+fn set_up_browser() {
+    let is_gate = std::env::var_os("CI").is_some();
+    if !is_gate || missing(&[&BROWSER]).is_empty() || cfg!(not(target_os = "linux")) {
+        return;
+    }
+    if let Err(message) = install(&[BROWSER.debian_package]) {
+        process::say(&format!("{}: {message}; its test skips", BROWSER.what));
+    }
+}
+
 /// Checks the machine and installs what is missing.
 ///
 /// # Errors
@@ -101,6 +119,7 @@ pub(crate) fn set_up(needs: Needs) -> Outcome {
     }
     if needs.tests {
         wanted.extend(TESTS);
+        set_up_browser();
     }
     let missing = missing(&wanted);
     if missing.is_empty() {

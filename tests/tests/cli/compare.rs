@@ -53,7 +53,7 @@ fn splats_are_nearer_to_surfels_than_points_are() -> Result<()> {
         return Ok(());
     }
     assert_eq!(finished.code(), Some(0), "{}", finished.stderr);
-    let mut expected = BTreeSet::from(["metrics.json".to_owned()]);
+    let mut expected = BTreeSet::from(["metrics.json", "report.html"].map(str::to_owned));
     for view in ["000", "001"] {
         expected.insert(format!("reference_{view}.png"));
         for renderer in ["points", "hqss"] {
@@ -63,7 +63,7 @@ fn splats_are_nearer_to_surfels_than_points_are() -> Result<()> {
         }
     }
     assert_eq!(shell.written()?, expected);
-    for name in expected.iter().filter(|name| *name != "metrics.json") {
+    for name in expected.iter().filter(|name| name.ends_with(".png")) {
         let picture = compare::read(&shell.folder().join("apart").join(name))?;
         assert_eq!(picture.dimensions(), (240, 180), "{name}");
     }
@@ -392,4 +392,70 @@ fn a_renderer_that_fails_while_it_draws_fails_the_comparison() -> Result<()> {
         "a picture was written under the name of a renderer that did not draw it"
     );
     Ok(())
+}
+
+#[test]
+fn two_runs_of_a_renderer_with_the_same_settings_differ_by_nothing() -> Result<()> {
+    const RENDERERS: [&str; 3] = ["points", "surfel", "hqss"];
+    let shell = Shell::new()?;
+    let scene = sample("knotted_snake.ply");
+    let options = format!("{} --size 240x180 --frames 0", scene.display());
+    let renderers = RENDERERS.join(",");
+    let line =
+        format!("compare {options} --renderers {renderers} --reference fallback --out apart");
+    let finished = shell.run(&line)?;
+    if finished.stderr.contains("needs a graphics device") {
+        skip("no graphics device to draw twice on");
+        return Ok(());
+    }
+    assert_eq!(finished.code(), Some(0), "{}", finished.stderr);
+    let first = shell.folder().join("first");
+    std::fs::rename(shell.folder().join("apart"), &first)?;
+    for renderer in RENDERERS {
+        std::fs::copy(
+            first.join(format!("{renderer}_000.png")),
+            first.join("reference_000.png"),
+        )?;
+        let metrics = shell.compare(&format!(
+            "{options} --renderers {renderer} --reference-images first"
+        ))?;
+        let whole = &metrics["views"][0]["renderers"][0]["whole"];
+        assert_eq!(whole["identical"], true, "{renderer}: {whole:#}");
+    }
+    Ok(())
+}
+
+#[test]
+fn targets_are_drawn_with_one_range_for_all() -> Result<()> {
+    let shell = Shell::new()?;
+    let metrics = shell.compare(
+        "sphere.ply --no-device --renderers ewa-reference --reference fallback --targets depth,normal --size 64x48 --frames 1",
+    )?;
+    let view = &metrics["views"][0];
+    let of_renderer = &view["renderers"][0]["files"]["targets"];
+    assert_eq!(of_renderer["depth"], "ewa-reference_000_depth.png");
+    assert_eq!(
+        view["reference"]["targets"]["normal"],
+        "reference_000_normal.png"
+    );
+    let [near, far] = [0, 1].map(|end| number(view, &format!("/reference/ranges/depth/{end}")));
+    assert_ne!(near?, far?);
+    for name in ["ewa-reference_000_depth.png", "reference_000_normal.png"] {
+        assert!(shell.written()?.contains(name), "{name}");
+    }
+    let times = &view["renderers"][0]["times"];
+    assert_eq!(times["frames"], 1);
+    assert!(number(times, "/frame_ms/median")? > 0.0);
+    for (key, expected) in [("hash", true), ("all_settings", true)] {
+        let is_there = !view["renderers"][0][key].is_null();
+        assert_eq!(is_there, expected, "{key}");
+    }
+    let made_by = &metrics["made_by"];
+    let command = made_by["command"].as_str().context("a command")?;
+    assert!(
+        command.starts_with("pointstage compare sphere.ply"),
+        "{command}"
+    );
+    let line = "compare sphere.ply --no-device --renderers fallback --reference fallback --targets dpeth --out a";
+    shell.assert_fails(2, line, &["'dpeth'", "did you mean 'depth'?"])
 }

@@ -1,11 +1,12 @@
 //! The thesis's graphs, ours beside it.
 
+use pointstage_plot::{Axis, Plot, Scale, Series, Stroke};
+
 use super::Findings;
 use super::measured::Measured;
 use super::plan::{Case, DISTANCES, THRESHOLD, THRESHOLDS, threshold_distance};
 use super::quantity::QUANTITIES;
 use super::thesis::{self, Drawn};
-use crate::plot::{Axis, Plot, Scale, Series, Stroke};
 
 /// A file's name without its ending, and what is on it.
 pub(super) type Graph = (&'static str, Plot);
@@ -100,14 +101,15 @@ fn drawn(
         let plot = Plot {
             title: title.to_owned(),
             x: Axis {
-                title: x,
+                title: x.to_owned(),
                 scale: Scale::Linear,
             },
             y: Axis {
-                title: quantity.name,
+                title: quantity.name.to_owned(),
                 scale: Scale::Log,
             },
             series,
+            notes: Vec::new(),
         };
         (file, plot)
     };
@@ -163,8 +165,8 @@ fn by_size(
         stroke: Stroke::Rings,
         points: vec![[model.triangle_count.into(), theirs(model)]],
     }));
-    let axis = |title| Axis {
-        title,
+    let axis = |title: &str| Axis {
+        title: title.to_owned(),
         scale: Scale::Log,
     };
     Plot {
@@ -172,6 +174,7 @@ fn by_size(
         x: axis("triangles"),
         y: axis(y),
         series,
+        notes: Vec::new(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! The page: tables and graphs in the thesis's order.
 
+use pointstage_plot::Look;
+
 use super::plan::{FRAMES, SIZE_PX, THRESHOLD, TURN_DEG, WARM_UP};
 use super::{Findings, goals, graphs, tables, thesis};
 use crate::Outcome;
@@ -10,7 +12,7 @@ pub(super) fn write(found: &Findings, out: &OutFolder) -> Outcome {
     let all = [graphs::trees(found), graphs::nodes(found)];
     let all = all.into_iter().chain(graphs::by_distance(found));
     for (name, plot) in all.chain(graphs::by_threshold(found)) {
-        out.write(&format!("{name}.svg"), plot.svg())?;
+        out.write(&format!("{name}.svg"), plot.svg(Look::Document))?;
     }
     out.write("pop.md", text(found, &out::commit()))?;
     Ok(())

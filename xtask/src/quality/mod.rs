@@ -207,6 +207,8 @@ impl Place {
             .args(["--renderers", comparison.renderers])
             .args(["--views", &views.join(",")])
             .args(["--size", &format!("{width}x{height}")])
+            // The table has no times.
+            .args(["--frames", "0"])
             .args(["--background", "#ffffff", "--out", &folder]);
         if model.flip {
             command.arg("--flip");

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use pointstage_engine::plugins::{PluginInfo, Registry};
 use pointstage_engine::stage::{
-    FALLBACK_ID, FrameError, FrameRequest, FrameResult, Notice, SettingValues, Severity, Stage,
+    FALLBACK_ID, FrameError, FrameRequest, FrameResult, FrameStats, Notice, SettingValues,
+    Severity, Stage,
 };
 use pointstage_plugin_api::nearest::{did_you_mean, nearest_names};
 use pointstage_plugin_api::settings_schema::{SettingSchema, ValueError};
@@ -65,6 +66,15 @@ pub(crate) fn no_target(renderer: &str, key: &str, given: &[&str]) -> Failure {
     ))
 }
 
+/// None of several renderers writes such a target.
+pub(crate) fn no_target_of_any(key: &str, given: &[&str]) -> Failure {
+    let near = did_you_mean(&nearest_names(key, given));
+    Failure::usage(format!(
+        "no renderer of these writes a target '{key}'{near} (they write {})",
+        given.join(", ")
+    ))
+}
+
 /// Says a notice on standard error.
 pub(crate) fn say(notice: &Notice) {
     let word = match notice.severity {
@@ -86,12 +96,38 @@ pub(crate) fn draw_finished(stage: &mut Stage, request: &FrameRequest) -> Outcom
     Ok(result)
 }
 
-/// The same, but the notices of all its frames are in the result alone. With it, the wall time of all its frames.
+/// What a picture cost, all of its frames together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cost {
+    /// From the request to the picture in memory, by the clock.
+    pub(crate) wall: Duration,
+    /// In the renderer's code on the CPU.
+    pub(crate) plugin_cpu: Duration,
+    /// From submission to completion, by the clock; zero where the CPU draws.
+    pub(crate) device_wall: Duration,
+    /// The renderer's passes on the device, by timestamps; none where there are none.
+    pub(crate) passes: Option<Duration>,
+}
+
+impl Cost {
+    /// Adds a frame.
+    fn add(&mut self, stats: &FrameStats) {
+        self.wall += stats.total;
+        self.plugin_cpu += stats.plugin_cpu;
+        self.device_wall += stats.device_wall;
+        if !stats.passes.is_empty() {
+            let passes: Duration = stats.passes.iter().map(|pass| pass.time).sum();
+            *self.passes.get_or_insert_default() += passes;
+        }
+    }
+}
+
+/// The same, but the notices of all its frames are in the result alone. With it, what all its frames cost.
 pub(crate) fn draw_in_silence(
     stage: &mut Stage,
     request: &FrameRequest,
-) -> Outcome<(FrameResult, Duration)> {
-    let (mut notices, mut time) = (Vec::new(), Duration::ZERO);
+) -> Outcome<(FrameResult, Cost)> {
+    let (mut notices, mut cost) = (Vec::new(), Cost::default());
     loop {
         let frame = stage.frame(request).map_err(|error| match error {
             FrameError::NoTarget {
@@ -110,9 +146,9 @@ pub(crate) fn draw_in_silence(
             }
         };
         notices.append(&mut result.notices);
-        time += result.stats.total;
+        cost.add(&result.stats);
         if result.progress >= 1.0 {
-            return Ok((FrameResult { notices, ..result }, time));
+            return Ok((FrameResult { notices, ..result }, cost));
         }
     }
 }

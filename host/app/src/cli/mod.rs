@@ -3,16 +3,19 @@
 //! [`Arguments`] is what clap reads; [`run`] hands it to the command. Results go to standard output, everything else to
 //! standard error. Exit codes: 0 done, 1 failed, 2 used wrongly ([`failure`]).
 
+mod bench;
 mod compare;
 mod drawing;
 mod failure;
 mod globals;
 mod info;
 mod load;
+mod measuring;
 mod named_plugins;
 mod plugins;
 mod render;
 mod stdout;
+mod sweep;
 pub(crate) mod values;
 mod views;
 
@@ -48,6 +51,9 @@ Examples:
   pointstage render scan.ply --renderer surfel --out scan.png   draw it without a window
   pointstage compare scan.ply --renderers points,hqss --reference surfel --out apart
                                                                 how far renderers are from one of them
+  pointstage bench scan.ply --renderers points,surfel,hqss      how fast they are
+  pointstage sweep scan.ply --renderer hqss --set-range splat_scale=0.5:2:9 --reference ewa-reference --out sweep
+                                                                what one setting does to quality and time
   pointstage info scan.ply                                      what is in the file
   pointstage plugins list                                       which renderers there are
 
@@ -55,15 +61,19 @@ Exit codes: 0 done, 1 failed, 2 used wrongly.
 A file that is named like a command is opened as ./render.";
 
 /// The commands' names.
-const COMMANDS: [&str; 4] = ["render", "compare", "info", "plugins"];
+const COMMANDS: [&str; 6] = ["render", "compare", "bench", "sweep", "info", "plugins"];
 
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Draw files to pictures, without a window
     Render(Box<render::RenderArguments>),
-    /// Draw files with several renderers and measure how far each is from a reference
+    /// Draw files with several renderers, measure how far each is from a reference and how long it takes
     Compare(Box<compare::CompareArguments>),
+    /// Time renderers on scenes along a path
+    Bench(Box<bench::BenchArguments>),
+    /// Draw with several values of one setting: quality against time
+    Sweep(Box<sweep::SweepArguments>),
     /// Say what is in files
     Info(info::InfoArguments),
     /// List or examine plugins
@@ -89,6 +99,8 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
         ))),
         Some(Command::Render(render)) => render::run(&globals, &render),
         Some(Command::Compare(compare)) => compare::run(&globals, &compare),
+        Some(Command::Bench(bench)) => bench::run(&globals, &bench),
+        Some(Command::Sweep(sweep)) => sweep::run(&globals, &sweep),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Plugins(plugins)) => plugins::run(&globals, &plugins),
     }

@@ -26,6 +26,8 @@ pub mod flip;
 mod measures;
 mod pool;
 pub mod psnr;
+#[cfg(test)]
+mod published_tests;
 mod regions;
 pub mod ssim;
 

@@ -6,8 +6,8 @@ use image::RgbImage;
 use pointstage_engine::stage::{Background, Stage};
 use pointstage_plugin_api::targets;
 
-use super::CompareArguments;
-use super::entries::Entry;
+use super::arguments::ComparisonArguments;
+use crate::cli::measuring::entries::Entry;
 use crate::cli::{Failure, Outcome};
 use crate::output::names;
 
@@ -32,7 +32,7 @@ pub(super) enum Reference {
 
 impl Reference {
     /// Looks up what the command line names.
-    pub(super) fn find(stage: &Stage, arguments: &CompareArguments) -> Outcome<Self> {
+    pub(super) fn find(stage: &Stage, arguments: &ComparisonArguments) -> Outcome<Self> {
         match (&arguments.reference, &arguments.reference_images) {
             (Some(text), None) => {
                 let entry = Entry::find(stage, text)?;
@@ -41,11 +41,19 @@ impl Reference {
             }
             (None, Some(folder)) => Ok(Self::Images {
                 folder: folder.clone(),
-                background: one_colour(arguments.background)?,
+                background: one_colour(arguments.look.background)?,
             }),
             _ => Err(Failure::usage(
                 "a comparison needs one reference: --reference RENDERER, or --reference-images DIR",
             )),
+        }
+    }
+
+    /// The renderer; none if there are pictures already.
+    pub(super) fn entry(&self) -> Option<&Entry> {
+        match self {
+            Self::Renderer { entry, .. } => Some(entry),
+            Self::Images { .. } => None,
         }
     }
 

@@ -1,16 +1,20 @@
 //! `metrics.json`. Its form is documented in `docs/user-guide/comparing.md`; what is there keeps its name and meaning within
 //! one [`FORMAT`].
 
-use std::time::Duration;
+use std::collections::BTreeMap;
 
 use pointstage_engine::metrics::Measures;
 use pointstage_engine::stage::{SettingValues, Stage};
 use pointstage_scene::ViewRecord;
 use serde::Serialize;
 
-use super::CompareArguments;
-use super::entries::Entry;
 use super::reference::Reference;
+use super::view::Comparison;
+use crate::cli::Outcome;
+use crate::cli::drawing::Cost;
+use crate::cli::measuring::entries::Entry;
+use crate::cli::measuring::made_by::MadeBy;
+use crate::cli::measuring::times::Times;
 use crate::output::record::background_text;
 
 /// Version of the form.
@@ -18,17 +22,32 @@ const FORMAT: u32 = 1;
 
 /// All that was found.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(crate) struct Report {
     format: u32,
-    scene: Vec<String>,
-    size: [u32; 2],
-    background: String,
-    exposure: f32,
-    radius_scale: f32,
-    reference: MeasuredBy,
+    pub(super) scene: Vec<String>,
+    /// The scene's objects.
+    pub(super) objects: Vec<ObjectFacts>,
+    pub(crate) size: [u32; 2],
+    pub(super) background: String,
+    pub(super) exposure: f32,
+    pub(super) radius_scale: f32,
+    pub(super) reference: MeasuredBy,
     device: Option<String>,
+    pub(crate) made_by: MadeBy,
     pub(super) views: Vec<ViewReport>,
-    pub(super) means: Vec<Mean>,
+    pub(crate) means: Vec<Mean>,
+}
+
+/// An object of the scene.
+#[derive(Debug, Serialize)]
+pub(super) struct ObjectFacts {
+    pub(super) name: String,
+    pub(super) surfels: usize,
+    pub(super) triangles: usize,
+    /// Where its normals come from: `File`, `Estimated`, …
+    pub(super) normals: String,
+    /// Where its radii come from.
+    pub(super) radii: String,
 }
 
 /// What the renderers are measured by.
@@ -46,30 +65,35 @@ pub(super) enum MeasuredBy {
 
 impl MeasuredBy {
     /// As the command line says.
-    pub(super) fn of(reference: &Reference) -> Self {
-        match reference {
-            Reference::Renderer { entry, .. } => Self::Renderer(Who::of(entry)),
+    pub(super) fn of(reference: &Reference) -> Outcome<Self> {
+        Ok(match reference {
+            Reference::Renderer { entry, .. } => Self::Renderer(Who::of(entry)?),
             Reference::Images { folder, .. } => Self::Images {
                 images: folder.to_string_lossy().into_owned(),
             },
-        }
+        })
     }
 }
 
 /// A renderer with settings.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Who {
+pub(crate) struct Who {
     pub(super) label: String,
-    id: String,
-    version: String,
-    settings: SettingValues,
+    pub(super) id: String,
+    pub(super) version: String,
+    /// Content hash of the library; none for the built-in renderer.
+    pub(super) hash: Option<String>,
+    /// The values that were given.
+    pub(super) settings: SettingValues,
+    /// The values of all settings.
+    pub(super) all_settings: SettingValues,
 }
 
 /// One view.
 #[derive(Debug, Serialize)]
 pub(super) struct ViewReport {
-    view: ViewRecord,
-    reference: DrawnReference,
+    pub(super) view: ViewRecord,
+    pub(super) reference: DrawnReference,
     pub(super) renderers: Vec<RendererReport>,
 }
 
@@ -80,6 +104,12 @@ pub(super) struct DrawnReference {
     pub(super) ms: Option<f64>,
     /// Name of its file; with its folder if it was there already.
     pub(super) picture: String,
+    /// Files of its targets, by key.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) targets: BTreeMap<String, String>,
+    /// Values at the dark and the bright end of the targets' ramps, for everybody.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) ranges: BTreeMap<String, [f32; 2]>,
 }
 
 /// One renderer in one view.
@@ -89,6 +119,8 @@ pub(super) struct RendererReport {
     pub(super) who: Who,
     #[serde(flatten)]
     pub(super) found: Found,
+    /// What the pictures that count for time cost.
+    pub(super) times: Option<Times>,
 }
 
 /// What was found of one renderer in one view.
@@ -96,6 +128,9 @@ pub(super) struct RendererReport {
 pub(super) struct Found {
     /// Wall time of its frames until it was finished, without preparation.
     pub(super) ms: f64,
+    /// Of the pictures that count for time.
+    #[serde(skip)]
+    pub(super) costs: Vec<Cost>,
     /// Names of its files.
     pub(super) files: Files,
     /// Over every pixel.
@@ -112,14 +147,19 @@ pub(super) struct Files {
     pub(super) picture: String,
     pub(super) flip: Option<String>,
     pub(super) difference: String,
+    /// Its targets, by key.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) targets: BTreeMap<String, String>,
 }
 
 /// One renderer over all views.
 #[derive(Debug, Serialize)]
-pub(super) struct Mean {
-    pub(super) label: String,
+pub(crate) struct Mean {
+    pub(crate) label: String,
     ms: Option<f64>,
-    pub(super) whole: Measures,
+    /// Of the timed pictures of all views.
+    pub(crate) times: Option<Times>,
+    pub(crate) whole: Measures,
     pub(super) interior: Measures,
     pub(super) edge: Measures,
 }
@@ -135,11 +175,22 @@ impl Report {
     /// Puts together what was found.
     pub(super) fn new(
         stage: &Stage,
-        arguments: &CompareArguments,
-        (reference, renderers): (&Reference, &[Entry]),
+        comparison: &Comparison<'_>,
         found: Vec<FoundView>,
-    ) -> Self {
-        let who: Vec<Who> = renderers.iter().map(Who::of).collect();
+    ) -> Outcome<Self> {
+        let Comparison {
+            arguments,
+            reference,
+            renderers,
+            scene,
+            ..
+        } = comparison;
+        let who: Vec<Who> = renderers.iter().map(Who::of).collect::<Outcome<_>>()?;
+        let of_renderer = |(who, found): (Who, Found)| RendererReport {
+            who,
+            times: Times::of(&found.costs),
+            found,
+        };
         let views: Vec<ViewReport> = found
             .into_iter()
             .map(|found| ViewReport {
@@ -149,41 +200,58 @@ impl Report {
                     .iter()
                     .cloned()
                     .zip(found.found)
-                    .map(|(who, found)| RendererReport { who, found })
+                    .map(of_renderer)
                     .collect(),
             })
             .collect();
-        Self {
+        let objects = scene.objects().iter().map(|object| ObjectFacts {
+            name: object.name.clone(),
+            surfels: object.geometry.surfel_count,
+            triangles: object.geometry.triangle_count(),
+            normals: format!("{:?}", object.geometry.origins.normals),
+            radii: format!("{:?}", object.geometry.origins.radii),
+        });
+        let look = &arguments.look;
+        Ok(Self {
             format: FORMAT,
             scene: arguments
                 .files
                 .iter()
                 .map(|path| path.to_string_lossy().into_owned())
                 .collect(),
-            size: arguments.size,
-            background: background_text(arguments.background),
-            exposure: arguments.exposure,
-            radius_scale: arguments.radius_scale,
-            reference: MeasuredBy::of(reference),
+            objects: objects.collect(),
+            size: look.size,
+            background: background_text(look.background),
+            exposure: look.exposure,
+            radius_scale: look.radius_scale,
+            reference: MeasuredBy::of(reference)?,
             device: stage.adapter().map(|adapter| adapter.name),
+            made_by: MadeBy::now(stage),
             means: who
                 .iter()
                 .enumerate()
                 .map(|(index, who)| Mean::of(who, index, &views))
                 .collect(),
             views,
-        }
+        })
+    }
+
+    /// As JSON.
+    pub(crate) fn json(&self) -> Outcome<String> {
+        Ok(serde_json::to_string_pretty(self)?)
     }
 }
 
 impl Who {
-    fn of(entry: &Entry) -> Self {
-        Self {
+    fn of(entry: &Entry) -> Outcome<Self> {
+        Ok(Self {
             label: entry.label.clone(),
             id: entry.id.clone(),
             version: entry.version.clone(),
+            hash: entry.hash.clone(),
             settings: entry.settings.clone(),
-        }
+            all_settings: entry.all_settings()?,
+        })
     }
 }
 
@@ -193,6 +261,11 @@ impl Mean {
         let found = || views.iter().map(|view| &view.renderers[index].found);
         Self {
             label: who.label.clone(),
+            times: Times::of(
+                &found()
+                    .flat_map(|found| found.costs.clone())
+                    .collect::<Vec<_>>(),
+            ),
             ms: mean(found().map(|found| Some(found.ms))),
             whole: mean_measures(&found().map(|found| found.whole)),
             interior: mean_measures(&found().map(|found| found.interior)),
@@ -226,11 +299,6 @@ fn mean(numbers: impl Iterator<Item = Option<f64>>) -> Option<f64> {
         .filter(|number| number.is_finite())
         .collect();
     (!there.is_empty()).then(|| there.iter().sum::<f64>() / there.len() as f64)
-}
-
-/// Milliseconds.
-pub(super) fn millis(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
 }
 
 #[cfg(test)]

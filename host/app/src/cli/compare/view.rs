@@ -3,20 +3,22 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use image::{DynamicImage, RgbImage};
 use pointstage_engine::metrics::{Measured, Regions, measure, silhouette};
-use pointstage_engine::stage::{FrameRequest, FrameResult, Notice, Picture, Stage, ViewportId};
+use pointstage_engine::stage::{FrameRequest, FrameResult, Picture, Show, Stage, ViewportId};
 use pointstage_plugin_api::abi::Purpose;
 use pointstage_scene::{ObjectId, Scene, ViewRecord, Warnings};
 use serde_json::Value;
 
-use super::CompareArguments;
-use super::entries::Entry;
+use super::arguments::ComparisonArguments;
 use super::reference::{self, Reference};
-use super::report::{DrawnReference, Files, Found, FoundView, MeasuredBy, millis};
-use crate::cli::{Failure, Outcome, drawing};
+use super::report::{DrawnReference, Files, Found, FoundView, MeasuredBy};
+use super::targets::Targets;
+use crate::cli::drawing::Cost;
+use crate::cli::measuring::entries::Entry;
+use crate::cli::measuring::times::{draw, millis};
+use crate::cli::{Failure, Outcome};
 use crate::output::{names, png_file, record, whole_file};
 
 /// Viewport of the reference.
@@ -28,14 +30,22 @@ const RENDERERS: ViewportId = ViewportId(1);
 /// Side of the picture that is drawn before the one that counts, px: enough to make a renderer do all that it does once.
 const FIRST_PX: u32 = 16;
 
+/// A renderer whose picture takes longer is timed by that picture alone, ms.
+const SLOW_MS: f64 = 2000.0;
+
+/// Turn of the eye from one timed picture to the next, radians: a pixel or less, so that each costs the same.
+const TURN_RAD: f64 = 1e-3;
+
 /// What is the same for all views.
 pub(super) struct Comparison<'a> {
     /// The command line.
-    pub(super) arguments: &'a CompareArguments,
+    pub(super) arguments: &'a ComparisonArguments,
     /// What they are measured by.
     pub(super) reference: &'a Reference,
     /// Who is measured.
     pub(super) renderers: &'a [Entry],
+    /// What is drawn beside pictures.
+    pub(super) targets: &'a Targets,
     /// What is drawn.
     pub(super) scene: &'a Arc<Scene>,
     /// What loading each object gave to say.
@@ -53,26 +63,97 @@ impl Comparison<'_> {
         view: &ViewRecord,
     ) -> Outcome<FoundView> {
         let (measure_by, reference) = self.measure_by(stage, index, view)?;
-        let found = self.renderers.iter().map(|entry| {
+        let mut found = Vec::new();
+        for entry in self.renderers {
             let request = self.request(entry, view);
-            let (drawn, time) = draw(stage, entry, &request)?;
+            let (drawn, cost) = draw_warm(stage, &request)?;
             let picture = rgb_of(&drawn.picture)?;
             let measured = measure(&measure_by.picture, &picture, &measure_by.regions)?;
             let record = |name: &str| self.record(stage, &request, name);
-            let files = self.write_files(index, entry, &picture, &measured, record)?;
-            Ok(Found {
-                ms: millis(time),
+            let mut files = self.write_files(index, entry, &picture, &measured, record)?;
+            let ranges = &reference.ranges;
+            let label = &entry.label;
+            files.targets = self
+                .write_targets(stage, index, (label, entry), &request, ranges)?
+                .0;
+            found.push(Found {
+                ms: millis(cost.wall),
+                costs: vec![cost],
                 files,
                 whole: measured.whole,
                 interior: measured.interior,
                 edge: measured.edge,
-            })
-        });
+            });
+        }
+        self.time(stage, view, &mut found)?;
         Ok(FoundView {
             view: *view,
-            found: found.collect::<Outcome<_>>()?,
+            found,
             reference,
         })
+    }
+
+    /// Times every renderer in turns, so that a machine that slows down is fair to all. The eye is turned a little from
+    /// picture to picture, so that nobody can show the last one again.
+    fn time(&self, stage: &mut Stage, view: &ViewRecord, found: &mut [Found]) -> Outcome {
+        let mut timed: Vec<Vec<Cost>> = vec![Vec::new(); found.len()];
+        let mut turns = 0_u32;
+        for _ in 0..self.arguments.frames {
+            for ((entry, found), timed) in self.renderers.iter().zip(&*found).zip(&mut timed) {
+                if found.ms > SLOW_MS {
+                    continue;
+                }
+                let mut request = self.request(entry, view);
+                // The first one pays for the change of renderers.
+                let mut cost = Cost::default();
+                for _ in 0..2 {
+                    turns += 1;
+                    let yaw_rad = f64::from(turns) * TURN_RAD;
+                    request.camera = view.camera();
+                    request.camera.orbit_turntable(yaw_rad, 0.0);
+                    cost = draw(stage, &request)?.1;
+                }
+                timed.push(cost);
+            }
+        }
+        for (found, timed) in found.iter_mut().zip(timed) {
+            if !timed.is_empty() {
+                found.costs = timed;
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws and writes the targets of one of them; the files by key, and the ranges of values that they show.
+    ///
+    /// * `who`: the name for files, and who draws.
+    /// * `ranges`: those that the reference showed, so that the same colour means the same.
+    fn write_targets(
+        &self,
+        stage: &mut Stage,
+        index: usize,
+        (label, entry): (&str, &Entry),
+        request: &FrameRequest,
+        ranges: &BTreeMap<String, [f32; 2]>,
+    ) -> Outcome<(BTreeMap<String, String>, BTreeMap<String, [f32; 2]>)> {
+        let (mut files, mut shown) = (BTreeMap::new(), BTreeMap::new());
+        for key in self.targets.of(entry) {
+            let request = FrameRequest {
+                show: Show::Target(key.to_owned()),
+                shown_range: ranges.get(key).copied(),
+                read_back: Vec::new(),
+                ..request.clone()
+            };
+            let (drawn, _) = draw(stage, &request)?;
+            let name = self.name(label, index, &format!("_{}", safe(key)));
+            let record = self.record(stage, &request, &name);
+            self.write(&name, &rgb_of(&drawn.picture)?, &record)?;
+            files.insert(key.to_owned(), name);
+            if let Some(range) = drawn.shown_range {
+                shown.insert(key.to_owned(), range);
+            }
+        }
+        Ok((files, shown))
     }
 
     /// What the renderers are measured by in view `index`.
@@ -91,6 +172,8 @@ impl Comparison<'_> {
                 let drawn = DrawnReference {
                     ms: None,
                     picture: path.to_string_lossy().into_owned(),
+                    targets: BTreeMap::new(),
+                    ranges: BTreeMap::new(),
                 };
                 return Ok((MeasureBy::new(picture, covered)?, drawn));
             }
@@ -100,14 +183,22 @@ impl Comparison<'_> {
             read_back: vec![key.to_owned()],
             ..self.request(entry, view)
         };
-        let (drawn, time) = draw(stage, entry, &request)?;
+        let (drawn, cost) = draw_warm(stage, &request)?;
         let covered = drawn.planes.get(key).map(silhouette);
         let measure_by = MeasureBy::new(rgb_of(&drawn.picture)?, covered)?;
         let name = self.name("reference", index, "");
         let record = self.record(stage, &request, &name);
         self.write(&name, &measure_by.picture, &record)?;
-        let ms = Some(millis(time));
-        Ok((measure_by, DrawnReference { ms, picture: name }))
+        let none = BTreeMap::new();
+        let (targets, ranges) =
+            self.write_targets(stage, index, ("reference", entry), &request, &none)?;
+        let drawn = DrawnReference {
+            ms: Some(millis(cost.wall)),
+            picture: name,
+            targets,
+            ranges,
+        };
+        Ok((measure_by, drawn))
     }
 
     /// Writes a renderer's picture and its maps. `record` says what the picture of a name is made from.
@@ -124,6 +215,7 @@ impl Comparison<'_> {
             picture: name(""),
             flip: measured.flip_map.as_ref().map(|_| name("_flip")),
             difference: name("_difference"),
+            targets: BTreeMap::new(),
         };
         let record = record(&files.picture);
         self.write(&files.picture, picture, &record)?;
@@ -145,9 +237,9 @@ impl Comparison<'_> {
         FrameRequest {
             viewport: RENDERERS,
             settings: entry.settings.clone(),
-            background: self.arguments.background,
-            exposure: self.arguments.exposure,
-            radius_scale: self.arguments.radius_scale,
+            background: self.arguments.look.background,
+            exposure: self.arguments.look.exposure,
+            radius_scale: self.arguments.look.radius_scale,
             purpose: Purpose::COMPARE,
             ..FrameRequest::still(
                 Arc::clone(self.scene),
@@ -173,7 +265,7 @@ impl Comparison<'_> {
     fn record_of_map(&self, record: &Value, map: &str) -> Outcome<Value> {
         let mut record = record.clone();
         record["map"] = map.into();
-        record["reference"] = serde_json::to_value(MeasuredBy::of(self.reference))?;
+        record["reference"] = serde_json::to_value(MeasuredBy::of(self.reference)?)?;
         Ok(record)
     }
 
@@ -207,39 +299,31 @@ impl MeasureBy {
     }
 }
 
-/// Draws as one of them, with the wall time of all frames until the picture was finished.
+/// Draws as one of them, with what all frames until the picture was finished cost.
 ///
-/// A small picture is drawn first: what is prepared for a scene, compiled or uploaded at first use is no part of that time.
+/// A small picture is drawn first: what is prepared for a scene, compiled or uploaded at first use is no part of that cost.
 /// Drawing the picture itself twice would not do, since a renderer that refines has the second one finished already.
-fn draw(
-    stage: &mut Stage,
-    entry: &Entry,
-    request: &FrameRequest,
-) -> Outcome<(FrameResult, Duration)> {
+fn draw_warm(stage: &mut Stage, request: &FrameRequest) -> Outcome<(FrameResult, Cost)> {
     let first = FrameRequest {
         size_px: [FIRST_PX; 2],
+        read_back: Vec::new(),
         ..request.clone()
     };
-    let mut draw = |request| -> Outcome<_> {
-        let (result, time) = drawing::draw_in_silence(stage, request)?;
-        check_drawer(&entry.id, &result.drawn_by, &result.notices)?;
-        result.notices.iter().for_each(drawing::say);
-        Ok((result, time))
-    };
-    draw(&first)?;
-    draw(request)
+    draw(stage, &first)?;
+    draw(stage, request)
 }
 
-/// Fails if another renderer stood in: its picture would be measured under a wrong name.
-fn check_drawer(asked: &str, drawn_by: &str, notices: &[Notice]) -> Outcome {
-    if drawn_by == asked {
-        return Ok(());
+/// A target's key as a part of a file's name, other than those of maps.
+fn safe(key: &str) -> String {
+    let letters = key.chars().map(|letter| match letter {
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '_' | '.' => letter,
+        _ => '-',
+    });
+    let name: String = letters.take(40).collect();
+    match name.as_str() {
+        "flip" | "difference" => format!("{name}-target"),
+        _ => name,
     }
-    let said: Vec<&str> = notices.iter().map(|notice| notice.text.as_str()).collect();
-    Err(Failure::Failed(anyhow::anyhow!(
-        "renderer '{asked}' did not draw, '{drawn_by}' stood in for it, so nothing is compared: {}",
-        said.join("; ")
-    )))
 }
 
 /// A picture without its alpha: over an opaque background there is nothing in it.
@@ -257,26 +341,6 @@ fn rgb_of(picture: &Picture) -> Outcome<RgbImage> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pointstage_engine::stage::Severity;
-
-    #[test]
-    fn a_stand_in_is_a_failure_with_the_reason() {
-        let notice = Notice {
-            severity: Severity::Error,
-            plugin: "a".to_owned(),
-            text: "out of memory".to_owned(),
-            detail: String::new(),
-        };
-        check_drawer("a", "a", std::slice::from_ref(&notice)).expect("it drew itself");
-        match check_drawer("a", "b", &[notice]) {
-            Err(Failure::Failed(error)) => {
-                let text = error.to_string();
-                assert!(text.contains("'a' did not draw, 'b' stood in"), "{text}");
-                assert!(text.contains("out of memory"), "{text}");
-            }
-            other => panic!("{other:?}"),
-        }
-    }
 
     #[test]
     fn a_picture_loses_its_alpha_and_keeps_its_colours() {

@@ -2,17 +2,21 @@
 
 /// How an axis is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scale {
+pub enum Scale {
     /// From zero, in equal steps.
     Linear,
+    /// The same in whole steps: for what is counted.
+    Whole,
+    /// In equal steps around the values: for quantities whose zero says nothing, such as decibels.
+    Span,
     /// At powers of ten, and at 2 and 5 times them where those are few.
     Log,
 }
 
 /// The named values of an axis, ascending; it reaches from the first to the last.
 #[derive(Debug)]
-pub(super) struct Ticks {
-    pub(super) at: Vec<f64>,
+pub(crate) struct Ticks {
+    pub(crate) at: Vec<f64>,
     scale: Scale,
 }
 
@@ -21,21 +25,30 @@ const STEPS: f64 = 8.0;
 
 impl Scale {
     /// Can it show this value?
-    pub(super) fn shows(self, value: f64) -> bool {
-        value.is_finite() && (value > 0.0 || self == Self::Linear)
+    pub(crate) fn shows(self, value: f64) -> bool {
+        value.is_finite() && (value > 0.0 || self != Self::Log)
     }
 
     /// The axis that holds these values as far as it can show them.
-    pub(super) fn ticks(self, values: impl Iterator<Item = f64>) -> Ticks {
+    pub(crate) fn ticks(self, values: impl Iterator<Item = f64>) -> Ticks {
         let values: Vec<f64> = values.filter(|value| self.shows(*value)).collect();
         let highest = values.iter().copied().reduce(f64::max).unwrap_or(1.0);
         let at = match self {
-            Self::Linear => {
+            Self::Linear | Self::Whole => {
                 // Nothing but zeros still needs an axis with a length.
                 let highest = if highest > 0.0 { highest } else { 1.0 };
                 let step = nice_step(highest / STEPS);
+                let step = if self == Self::Whole {
+                    step.max(1.0)
+                } else {
+                    step
+                };
                 let count = (highest / step).ceil().max(1.0) as u32;
                 (0..=count).map(|index| f64::from(index) * step).collect()
+            }
+            Self::Span => {
+                let lowest = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
+                span_ticks(lowest, highest)
             }
             Self::Log => {
                 let lowest = values.iter().copied().reduce(f64::min).unwrap_or(1.0);
@@ -44,6 +57,17 @@ impl Scale {
         };
         Ticks { at, scale: self }
     }
+}
+
+/// Equal steps from the last tick at or below `lowest` to the first at or above `highest`.
+fn span_ticks(lowest: f64, highest: f64) -> Vec<f64> {
+    let width = highest - lowest;
+    // One value alone still needs an axis with a length.
+    let least = 1e-3 * highest.abs().max(1e-3);
+    let step = nice_step(width.max(least) / STEPS);
+    let first = (lowest / step).floor() as i64;
+    let last = ((highest / step).ceil() as i64).max(first + 1);
+    (first..=last).map(|index| index as f64 * step).collect()
 }
 
 /// The least of 1, 2, 5, 10, 20 … (and 0.5, 0.2 …) that is not below `step`.
@@ -82,17 +106,17 @@ fn log_ticks(lowest: f64, highest: f64) -> Vec<f64> {
 
 impl Ticks {
     /// Where along the axis a value stands, from 0 to 1.
-    pub(super) fn part(&self, value: f64) -> f64 {
+    pub(crate) fn part(&self, value: f64) -> f64 {
         let (first, last) = (self.at[0], self.at[self.at.len() - 1]);
         match self.scale {
-            Scale::Linear => (value - first) / (last - first),
+            Scale::Linear | Scale::Whole | Scale::Span => (value - first) / (last - first),
             Scale::Log => (value / first).ln() / (last / first).ln(),
         }
     }
 }
 
 /// A tick's name: `20 k` for 20,000.
-pub(super) fn label(value: f64) -> String {
+pub(crate) fn label(value: f64) -> String {
     let (number, unit) = match value {
         _ if value >= 1e6 => (value / 1e6, " M"),
         _ if value >= 1e4 => (value / 1e3, " k"),
@@ -119,6 +143,17 @@ mod tests {
         );
         assert_eq!(ticks(Scale::Linear, &[]).first(), Some(&0.0));
         assert_eq!(ticks(Scale::Linear, &[0.0]), ticks(Scale::Linear, &[1.0]));
+        assert_eq!(ticks(Scale::Whole, &[2.0]), [0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn spans_hold_their_values_and_little_else() {
+        assert_eq!(
+            ticks(Scale::Span, &[31.0, 34.5]),
+            [31.0, 31.5, 32.0, 32.5, 33.0, 33.5, 34.0, 34.5]
+        );
+        assert!(ticks(Scale::Span, &[7.0]).len() > 1);
+        assert!(ticks(Scale::Span, &[]).len() > 1);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pointstage_engine::plugins::{PluginInfo, suitability};
 use pointstage_engine::stage::{FALLBACK_ID, FrameError, SettingValues, Stage};
-use pointstage_plugin_api::settings_schema::snapshot;
+use pointstage_plugin_api::settings_schema::{SettingSchema, snapshot};
 use pointstage_scene::Scene;
 
 use crate::cli::{Failure, Outcome, drawing, values};
@@ -12,9 +12,12 @@ use crate::cli::{Failure, Outcome, drawing, values};
 /// The longest name that settings give a file, in characters: what follows fits into every file system's limit.
 const LONGEST_LABEL: usize = 100;
 
+/// Stands for every renderer there is.
+const ALL: &str = "all";
+
 /// `NAME:SETTING=VALUE:…`, split.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct EntryText {
+pub(crate) struct EntryText {
     /// As it was written.
     text: String,
     name: String,
@@ -22,7 +25,7 @@ pub(super) struct EntryText {
 }
 
 /// Splits `NAME:SETTING=VALUE:…`.
-pub(super) fn entry_text(text: &str) -> Result<EntryText, String> {
+pub(crate) fn entry_text(text: &str) -> Result<EntryText, String> {
     let mut parts = text.trim().split(':');
     let name = parts.next().unwrap_or_default().trim();
     if name.is_empty() {
@@ -40,24 +43,47 @@ pub(super) fn entry_text(text: &str) -> Result<EntryText, String> {
     })
 }
 
+impl EntryText {
+    /// A renderer with no settings given.
+    fn named(name: &str) -> Self {
+        Self {
+            text: name.to_owned(),
+            name: name.to_owned(),
+            settings: Vec::new(),
+        }
+    }
+
+    /// The same with one more setting given.
+    pub(crate) fn with(&self, id: &str, value: &str) -> Self {
+        let mut with = self.clone();
+        with.text = format!("{}:{id}={value}", self.text);
+        with.settings.push((id.to_owned(), value.to_owned()));
+        with
+    }
+}
+
 /// A renderer with settings.
 #[derive(Debug)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     /// Names it in files, the table and the report; no other entry has it.
-    pub(super) label: String,
+    pub(crate) label: String,
     /// The renderer's id.
-    pub(super) id: String,
+    pub(crate) id: String,
     /// The renderer's version; the program's for the built-in one.
-    pub(super) version: String,
+    pub(crate) version: String,
+    /// Content hash of the library; none for the built-in one.
+    pub(crate) hash: Option<String>,
     /// The values that were given.
-    pub(super) settings: SettingValues,
+    pub(crate) settings: SettingValues,
+    /// It was not named, but stands for one of 'all'.
+    is_one_of_all: bool,
     /// None for the built-in one.
     info: Option<Arc<PluginInfo>>,
 }
 
 impl Entry {
     /// Looks up a renderer and checks its settings.
-    pub(super) fn find(
+    pub(crate) fn find(
         stage: &Stage,
         EntryText {
             text,
@@ -79,30 +105,40 @@ impl Entry {
             label: label(alias, &values),
             id: id.to_owned(),
             version: version.to_owned(),
+            hash: info.as_ref().map(|info| info.hash.clone()),
             settings: values,
+            is_one_of_all: false,
             info,
         })
     }
 
+    /// The settings that it has.
+    pub(crate) fn schema(&self) -> &[SettingSchema] {
+        drawing::schema(self.info.as_deref())
+    }
+
     /// Every setting's value, given or not.
-    fn all_settings(&self) -> Outcome<SettingValues> {
+    pub(crate) fn all_settings(&self) -> Outcome<SettingValues> {
         let schema = drawing::schema(self.info.as_deref());
         snapshot(schema, &self.settings).map_err(Failure::usage_from)
     }
 
-    /// Fails if the scene or the device lacks what the renderer needs.
-    pub(super) fn check_scene(&self, stage: &Stage, scene: &Scene) -> Outcome {
-        let Some(info) = &self.info else {
-            return Ok(());
-        };
+    /// What the scene or the device lacks that the renderer needs; none if it can draw.
+    pub(crate) fn reason_against(&self, stage: &Stage, scene: &Scene) -> Option<String> {
+        let info = self.info.as_ref()?;
         let device = stage.device().map(|device| &**device);
-        match suitability(&info.entry.needs, scene, device).reason() {
-            Some(reason) => Err(FrameError::Unsuitable {
+        suitability(&info.entry.needs, scene, device).reason()
+    }
+
+    /// Fails if the scene or the device lacks what the renderer needs.
+    pub(crate) fn check_scene(&self, stage: &Stage, scene: &Scene) -> Outcome {
+        match (&self.info, self.reason_against(stage, scene)) {
+            (Some(info), Some(reason)) => Err(FrameError::Unsuitable {
                 renderer: info.entry.alias.clone(),
                 reason,
             }
             .into()),
-            None => Ok(()),
+            _ => Ok(()),
         }
     }
 }
@@ -121,8 +157,24 @@ fn label(alias: &str, settings: &SettingValues) -> String {
     safe.take(LONGEST_LABEL).collect()
 }
 
-/// Looks up all renderers. Entries that would draw the same are refused.
-pub(super) fn find_all(stage: &Stage, texts: &[EntryText]) -> Outcome<Vec<Entry>> {
+/// Whether every renderer is asked for.
+pub(crate) fn is_all(texts: &[EntryText]) -> bool {
+    matches!(texts, [text] if text.text == ALL)
+}
+
+/// Looks up all renderers; 'all' stands for every one that is a plugin. Entries that would draw the same are refused.
+pub(crate) fn find_all(stage: &Stage, texts: &[EntryText]) -> Outcome<Vec<Entry>> {
+    if is_all(texts) {
+        let renderers = stage.registry().renderers();
+        let entries = renderers.iter().map(|info| {
+            let entry = Entry::find(stage, &EntryText::named(&info.entry.alias))?;
+            Ok(Entry {
+                is_one_of_all: true,
+                ..entry
+            })
+        });
+        return entries.collect();
+    }
     let mut found: Vec<Entry> = Vec::new();
     for text in texts {
         let mut entry = Entry::find(stage, text)?;
@@ -139,6 +191,37 @@ pub(super) fn find_all(stage: &Stage, texts: &[EntryText]) -> Outcome<Vec<Entry>
         found.push(entry);
     }
     Ok(found)
+}
+
+/// Nobody can draw what is asked for.
+pub(crate) fn nobody_draws() -> Failure {
+    Failure::Failed(anyhow::anyhow!(
+        "no renderer can draw the scene; 'pointstage plugins list' says which there are and what they need"
+    ))
+}
+
+/// The renderers that draw the scene. One that was named must be able to; of 'all', those that can are taken.
+///
+/// * `reference`: is not compared with itself when all are asked for.
+pub(crate) fn those_that_draw(
+    stage: &Stage,
+    entries: Vec<Entry>,
+    scene: &Scene,
+    reference: Option<&Entry>,
+) -> Outcome<Vec<Entry>> {
+    let mut drawing = Vec::new();
+    for entry in entries {
+        let is_reference = reference.is_some_and(|reference| reference.id == entry.id);
+        match entry.check_scene(stage, scene) {
+            Ok(()) if !(entry.is_one_of_all && is_reference) => drawing.push(entry),
+            Err(failure) if !entry.is_one_of_all => return Err(failure),
+            _ => {}
+        }
+    }
+    if drawing.is_empty() {
+        return Err(nobody_draws());
+    }
+    Ok(drawing)
 }
 
 /// `label`, with a number behind it if another entry has it.
@@ -188,7 +271,9 @@ mod tests {
             label: label.to_owned(),
             id: String::new(),
             version: String::new(),
+            hash: None,
             settings: SettingValues::new(),
+            is_one_of_all: false,
             info: None,
         };
         let others = [entry("a"), entry("A-2"), entry("b")];
