@@ -124,7 +124,9 @@ impl<T: Clone + Copy + Default + Send + Sync> Layer<T> {
         self.others.resize(more_threads, Vec::new());
         let own = core::iter::once(&mut self.values);
         let mut states: Vec<_> = own.chain(&mut self.others).collect();
-        states.iter_mut().for_each(|values| values.clear());
+        for values in &mut states {
+            values.clear();
+        }
         share_out(shares.iter(), &mut states, |values, share| {
             // Only of a thread that has something to do.
             values.resize(count, T::default());
