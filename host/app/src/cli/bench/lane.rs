@@ -29,6 +29,10 @@ pub(super) struct Lane<'a> {
 }
 
 /// The most that was held at a time.
+#[allow(
+    clippy::struct_field_names,
+    reason = "fields carry their unit, and in JSON these are the names"
+)]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     /// By the renderer, on the device.

@@ -66,6 +66,10 @@ pub(super) struct LaneReport {
 }
 
 /// The most that was held at a time, bytes.
+#[allow(
+    clippy::struct_field_names,
+    reason = "fields carry their unit, and in JSON these are the names"
+)]
 #[derive(Debug, Serialize)]
 pub(super) struct MemoryReport {
     plugin_bytes: u64,

@@ -134,7 +134,11 @@ pub(super) fn markdown(report: &Report) -> String {
             let numbers = scene.renderers.iter().map(number);
             words.into_iter().chain(numbers).collect()
         });
-        let table = table(1, head.map(str::to_owned).collect(), rows.collect());
+        let table = table(
+            1,
+            &head.map(str::to_owned).collect::<Vec<_>>(),
+            rows.collect(),
+        );
         format!("\n## {title}\n\n{table}")
     };
     page += &matrix("Frames a second", |lane| rate(lane.frames_per_second));
@@ -146,7 +150,7 @@ pub(super) fn markdown(report: &Report) -> String {
         });
     }
     page += "\n## All numbers\n\n";
-    page += &table(WORDS, HEAD.map(str::to_owned).to_vec(), rows(report));
+    page += &table(WORDS, &HEAD.map(str::to_owned), rows(report));
     let reasons = reasons(report);
     if !reasons.is_empty() {
         let _ = write!(page, "\n{}", reasons.replace('\n', "  \n"));
@@ -161,7 +165,7 @@ fn cell(text: &str) -> String {
         .replace('\n', " ")
 }
 
-fn table(words: usize, head: Vec<String>, rows: Vec<Vec<String>>) -> String {
+fn table(words: usize, head: &[String], rows: Vec<Vec<String>>) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let rules = (0..head.len()).map(|column| if column < words { "---" } else { "---:" });
     let rules = rules.map(str::to_owned).collect();

@@ -36,6 +36,9 @@ const SLOW_MS: f64 = 2000.0;
 /// Turn of the eye from one timed picture to the next, radians: a pixel or less, so that each costs the same.
 const TURN_RAD: f64 = 1e-3;
 
+/// Values at the dark and the bright end of targets, by key.
+type Ranges = BTreeMap<String, [f32; 2]>;
+
 /// What is the same for all views.
 pub(super) struct Comparison<'a> {
     /// The command line.
@@ -134,8 +137,8 @@ impl Comparison<'_> {
         index: usize,
         (label, entry): (&str, &Entry),
         request: &FrameRequest,
-        ranges: &BTreeMap<String, [f32; 2]>,
-    ) -> Outcome<(BTreeMap<String, String>, BTreeMap<String, [f32; 2]>)> {
+        ranges: &Ranges,
+    ) -> Outcome<(BTreeMap<String, String>, Ranges)> {
         let (mut files, mut shown) = (BTreeMap::new(), BTreeMap::new());
         for key in self.targets.of(entry) {
             let request = FrameRequest {

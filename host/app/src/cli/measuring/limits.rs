@@ -89,7 +89,7 @@ pub(crate) fn broken(
                 Some(value) if side == Side::Above && value <= *bound => {}
                 Some(value) if side == Side::Below && value >= *bound => {}
                 Some(value) => {
-                    broken.push(format!("{of}: {quantity} is {value:.5}, {word} {bound}"))
+                    broken.push(format!("{of}: {quantity} is {value:.5}, {word} {bound}"));
                 }
                 None => broken.push(format!("{of}: {quantity} was not measured")),
             }

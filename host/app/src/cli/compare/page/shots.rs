@@ -61,9 +61,9 @@ pub(super) fn all(report: &Report, targets: &Targets, pictures: &Pictures) -> St
             view,
         };
         let open = if index == 0 { " open" } else { "" };
-        let _ = write!(
+        let _ = writeln!(
             html,
-            "<details{open}><summary>View {index}</summary>{}</details>\n",
+            "<details{open}><summary>View {index}</summary>{}</details>",
             place.matrix(targets)
         );
     }
