@@ -153,10 +153,12 @@ impl PopView {
             &pipeline,
         );
         frame.submit(recorder);
-        frame.report(
-            statistics::PATH,
-            f64::from(u8::from(source == Source::Pixels)),
-        );
+        let path = match source {
+            Source::Pixels if has_splats => Path::Cpu,
+            Source::Pixels => Path::Compute,
+            Source::Ids => Path::Raster,
+        };
+        frame.report(statistics::PATH, path.number());
         Ok(())
     }
 
