@@ -233,8 +233,12 @@ fn pixels_within(centre: f32, half: f32, size: f32) -> Range<usize> {
     let edge = centre - half - 0.5;
     let whole = edge as usize;
     let first = whole + usize::from(edge > whole as f32);
-    let edge = (centre + half).min(size) - 0.5;
-    let end = if edge >= 0.0 { edge as usize + 1 } else { 0 };
+    let edge = centre + half - 0.5;
+    let end = if edge >= 0.0 {
+        (edge.min(size) as usize + 1).min(size as usize)
+    } else {
+        0
+    };
     first..end.max(first)
 }
 
