@@ -1,6 +1,6 @@
 //! `pointstage sweep`: what one setting does to quality and time.
 //!
-//! The values of a [`range`] make one renderer into several, which are compared like any others ([`compare`](super::compare)):
+//! The values of a [`range`] make one renderer into several, which are compared like any others ([`compare`]):
 //! with pictures, `metrics.json` and `report.html`. On top of that come `sweep.json` and [`plots`]: quality against time, and
 //! both over the setting's values.
 
