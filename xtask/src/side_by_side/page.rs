@@ -22,7 +22,7 @@ pub(super) fn markdown(models: &[&Model], measured: &Value) -> String {
         "# A thesis's tables, measured again\n\nMade by `cargo xtask side-by-side` at {} on {}; 800×580 pixels, once around each \
          model. The thesis's numbers are of 2006; its models are not public, so others of about their sizes stand for them.\n\n\
          ## Figure 9.4: HQSS\n\n{}\n## Figure 9.6: frames a second by renderer\n\nIts Surfel and OpenGL are PointShop3D's own, on \
-         the CPU; ours run on the device. Its EWA was a fast one on the device; ours is the exact reference, on the CPU.\n\n{}\n\
+         the CPU; ours run on the device, on a software device in part on the CPU. Its EWA was a fast one on the device; ours is the exact reference, on the CPU.\n\n{}\n\
          ## Figure 10.2: HQSS with several targets at once\n\nThe thesis drew all surfels once more for each target, and once for \
          all with frame buffer objects. Ours always does the latter; its two ways are the raster pipeline and compute.\n\n{}",
         out::commit(),
