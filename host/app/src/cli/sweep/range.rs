@@ -77,9 +77,7 @@ impl SetRange {
     pub(super) fn texts(&self, setting: &SettingSchema) -> Result<Vec<String>, String> {
         let (from, to, count) = match &self.values {
             Values::List(list) => {
-                let mut texts = list.clone();
-                texts.dedup();
-                return Ok(texts);
+                return Ok(each_once(list.iter().cloned()));
             }
             Values::Steps { from, to, count } => (*from, *to, *count),
         };
@@ -115,10 +113,19 @@ impl SetRange {
             let factor = 10_f64.powi(digits);
             format!("{}", (value * factor).round() / factor)
         };
-        let mut texts: Vec<String> = (0..count).map(|index| text(at(index))).collect();
-        texts.dedup();
-        Ok(texts)
+        Ok(each_once((0..count).map(|index| text(at(index)))))
     }
+}
+
+/// What is there several times stays where it is first.
+fn each_once(texts: impl Iterator<Item = String>) -> Vec<String> {
+    let mut kept: Vec<String> = Vec::new();
+    for text in texts {
+        if !kept.contains(&text) {
+            kept.push(text);
+        }
+    }
+    kept
 }
 
 /// The setting's unit; empty for none.
@@ -193,7 +200,7 @@ mod tests {
         assert_eq!(texts("a=1:2:5", &whole).expect("numbers"), ["1", "2"]);
         let switch = setting(SettingKind::Bool { default: true });
         assert_eq!(
-            texts("a=true,false", &switch).expect("named"),
+            texts("a=true,false,true", &switch).expect("named"),
             ["true", "false"]
         );
         let error = texts("a=0:1:2", &switch).expect_err("no number");
