@@ -18,6 +18,17 @@ impl OutFolder {
         Ok(Self { path })
     }
 
+    /// The only argument of a command, where it is to write; the folder of this name in the target folder if there is none.
+    pub(crate) fn path_of(arguments: &[String], name: &str) -> Outcome<PathBuf> {
+        match arguments {
+            [] => Ok(paths::target().join(name)),
+            [path] => Ok(PathBuf::from(path)),
+            [_, second, ..] => Err(format!(
+                "'{second}' was not expected here; see `cargo xtask help`"
+            )),
+        }
+    }
+
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

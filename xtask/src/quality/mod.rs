@@ -102,15 +102,7 @@ const COMPARISONS: &[Comparison] = &[
 
 /// Compares, and writes the table and all that the comparisons write into the folder named, `target/quality` unless given.
 pub(crate) fn quality(arguments: &[String]) -> Outcome {
-    let out = match arguments {
-        [] => paths::target().join("quality"),
-        [out] => PathBuf::from(out),
-        [_, second, ..] => {
-            return Err(format!(
-                "'{second}' was not expected here; see `cargo xtask help`"
-            ));
-        }
-    };
+    let out = OutFolder::path_of(arguments, "quality")?;
     setup::set_up(setup::Needs {
         window: false,
         tests: false,

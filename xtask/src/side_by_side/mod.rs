@@ -45,15 +45,7 @@ const RENDERERS: &str = "surfel,points,ewa-reference,hqss,hqss:path=raster,hqss:
 
 /// Makes reports and tables in the folder named, `target/side-by-side` unless given.
 pub(crate) fn side_by_side(arguments: &[String]) -> Outcome {
-    let out = match arguments {
-        [] => paths::target().join("side-by-side"),
-        [out] => PathBuf::from(out),
-        [_, second, ..] => {
-            return Err(format!(
-                "'{second}' was not expected here; see `cargo xtask help`"
-            ));
-        }
-    };
+    let out = OutFolder::path_of(arguments, "side-by-side")?;
     setup::set_up(setup::Needs {
         window: false,
         tests: false,
