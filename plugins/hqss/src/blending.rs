@@ -3,15 +3,16 @@
 use crate::cpu::{Look, Picture};
 use crate::passes::{Passes, Sums as Layout};
 use crate::settings::Wanted;
-use pointstage_plugin_api::abi::{self, BindingRecord, BufferUsage, Format, Handle, TextureUsage};
+use pointstage_plugin_api::abi::{self, BindingRecord, BufferUsage, Format, Handle};
 use pointstage_plugin_api::gpu::{
     AsHandle, BindGroup, BindGroupLayout, Buffer, ColourAttachment, DepthAttachment, Gpu, Recorder,
-    Texture, TextureOptions,
+    Texture,
 };
 use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{
     BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet, Targets,
-    VisibilityView, Visible, blends_float32, record_kernels, record_quads, rows_of,
+    VisibilityView, Visible, blends_float32, picture_texture, record_kernels, record_quads,
+    rows_of,
 };
 
 /// Bytes of a pixel in each of the two buffers or textures of sums.
@@ -231,16 +232,7 @@ impl BlendedView {
         self.groups = None;
         let sums = match source {
             Source::Ids => {
-                let texture = |label| {
-                    gpu.texture(&TextureOptions {
-                        label,
-                        size: size_px,
-                        layers: 1,
-                        mip_level_count: 1,
-                        format,
-                        usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
-                    })
-                };
+                let texture = |label| picture_texture(gpu, label, size_px, format);
                 Sums::Textures([texture("sums of colours")?, texture("sums of normals")?])
             }
             Source::Pixels => {

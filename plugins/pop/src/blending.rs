@@ -1,15 +1,17 @@
 //! Blended splats: their attribute pass, and where it adds up, for pictures of a size.
 
 use crate::passes::{Kind, MODULES, Passes};
-use pointstage_plugin_api::abi::{self, BufferUsage, Compare, Format, ShaderStages, TextureUsage};
+use pointstage_plugin_api::abi::{self, BufferUsage, Compare, Format, ShaderStages};
 use pointstage_plugin_api::gpu::{
     AsHandle as _, BindGroup, BindGroupLayout, Binding, Blend, Buffer, ColourTarget,
     ComputePipeline, ComputePipelineOptions, DepthTest, Gpu, RenderPipeline, RenderPipelineOptions,
-    Texture, TextureOptions,
+    Texture,
 };
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
 use pointstage_plugin_api::{Error, Result};
-use pointstage_visibility::{Cache, SUMS, adds_int64, blends_float32, cached, is_wide};
+use pointstage_visibility::{
+    Cache, SUMS, adds_int64, blends_float32, cached, is_wide, picture_texture,
+};
 
 const COMPUTE: Module<'static> = Module::new(
     "pop::blending_compute",
@@ -231,16 +233,7 @@ impl BlendedTextures {
     /// # Errors
     /// If the device refuses one.
     pub(crate) fn new(gpu: &Gpu, size_px: [u32; 2]) -> Result<Self> {
-        let texture = |label, format| {
-            gpu.texture(&TextureOptions {
-                label,
-                size: size_px,
-                layers: 1,
-                mip_level_count: 1,
-                format,
-                usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
-            })
-        };
+        let texture = |label, format| picture_texture(gpu, label, size_px, format);
         Ok(Self {
             splats: texture("visible splats", Format::R32_UINT)?,
             depth: texture("depth of splats", Format::DEPTH32_FLOAT)?,

@@ -6,7 +6,7 @@
 use crate::cpu_splats::{Footprint, Gift, REACH, Stage};
 use core::ops::Range;
 use pointstage_plugin_api::glam::{Vec2, Vec4};
-use pointstage_visibility::cpu::share_out;
+use pointstage_visibility::cpu::{depth_of, packed, share_out};
 
 /// Splats that a thread takes at a time.
 const SHARE: usize = 8_192;
@@ -171,8 +171,7 @@ fn offer(
             if share <= 1.0 || !is_disk {
                 let depth = if is_disk { depth - fall * share } else { depth };
                 // What falls behind the far plane is not seen.
-                let bits = u64::from(depth.max(0.0).to_bits());
-                *pixel = (*pixel).max(bits << 32 | u64::from(primitive));
+                *pixel = (*pixel).max(packed(depth.max(0.0), primitive));
             }
         }
     }
@@ -202,7 +201,7 @@ fn give(
         for (column, (nearest, sum)) in nearest.iter().zip(sums).enumerate() {
             let across = ((columns.start + column) as f32 + 0.5 - centre.x) * scale.x;
             let squared = across * across + down * down;
-            if squared > 1.0 || limit < f32::from_bits((nearest >> 32) as u32) {
+            if squared > 1.0 || limit < depth_of(*nearest) {
                 continue;
             }
             let gift = gift.get_or_insert_with(|| stage.gift(footprint));

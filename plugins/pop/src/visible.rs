@@ -3,9 +3,9 @@
 use crate::blending::{BlendedBuffers, BlendedTextures, SUM_BYTES};
 use crate::passes::Passes;
 use pointstage_plugin_api::Result;
-use pointstage_plugin_api::abi::{self, BufferUsage, Format, TextureUsage};
-use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer, Texture, TextureOptions};
-use pointstage_visibility::Source;
+use pointstage_plugin_api::abi::{self, BufferUsage, Format};
+use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer, Texture};
+use pointstage_visibility::{Source, picture_texture};
 
 /// Large triangles of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
 const LARGE_COUNT: u64 = 65_535;
@@ -75,16 +75,7 @@ impl Visible {
     /// For pictures of a size, with blended splats or not.
     pub(crate) fn textures(passes: &Passes, size_px: [u32; 2], is_blended: bool) -> Result<Self> {
         let gpu = &passes.gpu;
-        let texture = |label, format| {
-            gpu.texture(&TextureOptions {
-                label,
-                size: size_px,
-                layers: 1,
-                mip_level_count: 1,
-                format,
-                usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
-            })
-        };
+        let texture = |label, format| picture_texture(gpu, label, size_px, format);
         let primitives = texture("visible primitives", Format::R32_UINT)?;
         let depth = texture("depth", Format::DEPTH32_FLOAT)?;
         if is_blended {

@@ -36,5 +36,5 @@ pub use pipelines::{
 pub use record::{KernelGroups, record_kernels, record_quads};
 pub use rectangle::PixelRectangle;
 pub use request::{Extent, Path, Request};
-pub use targets::{TargetSet, Targets};
+pub use targets::{TargetSet, Targets, picture_texture};
 pub use view::{BLOCK_STRIDE, VisibilityView, Visible, rows_of};

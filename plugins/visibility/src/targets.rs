@@ -1,8 +1,8 @@
 //! The targets that a frame asks for, as attachments of the shading pass.
 
-use pointstage_plugin_api::abi::{Compare, Format};
-use pointstage_plugin_api::gpu::{ColourTarget, DepthTest};
-use pointstage_plugin_api::{Frame, Target, targets};
+use pointstage_plugin_api::abi::{Compare, Format, TextureUsage};
+use pointstage_plugin_api::gpu::{ColourTarget, DepthTest, Gpu, Texture, TextureOptions};
+use pointstage_plugin_api::{Frame, Result, Target, targets};
 
 /// A colour attachment that shading can fill: the target's key, its format, its feature in the shader, its slot's name.
 struct Kind {
@@ -69,6 +69,26 @@ const ID_INDEX: usize = 4;
 const DEPTH_BIT: u32 = 1 << KINDS.len();
 /// What the raster path's visibility pass writes itself.
 const VISIBILITY_BITS: u32 = 1 << LEVEL_INDEX | 1 << ID_INDEX | DEPTH_BIT;
+
+/// A texture of a picture's size that one pass draws into and another reads.
+///
+/// # Errors
+/// If the device refuses it.
+pub fn picture_texture(
+    gpu: &Gpu,
+    label: &str,
+    size_px: [u32; 2],
+    format: Format,
+) -> Result<Texture> {
+    gpu.texture(&TextureOptions {
+        label,
+        size: size_px,
+        layers: 1,
+        mip_level_count: 1,
+        format,
+        usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
+    })
+}
 
 impl Targets {
     /// Those that the frame asks for.

@@ -7,10 +7,9 @@ use crate::record::{missing, record_compute, record_raster, record_shading};
 use crate::rectangle::PixelRectangle;
 use crate::request::{Path, Request};
 use crate::targets::Targets;
-use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle, TextureUsage};
-use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, Gpu, Recorder, Texture, TextureOptions,
-};
+use crate::targets::picture_texture;
+use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle};
+use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer, Gpu, Recorder, Texture};
 use pointstage_plugin_api::{Frame, Host, Outcome, Result, Target, statistics};
 
 /// `BlockUniform` of the shading pass (first id, number of ids, whether it is the first block), padded to an offset that every device accepts.
@@ -320,16 +319,7 @@ impl VisibilityView {
         {
             return Ok(());
         }
-        let texture = |label, format| {
-            gpu.texture(&TextureOptions {
-                label,
-                size: size_px,
-                layers: 1,
-                mip_level_count: 1,
-                format,
-                usage: TextureUsage::RENDER_ATTACHMENT | TextureUsage::TEXTURE_BINDING,
-            })
-        };
+        let texture = |label, format| picture_texture(gpu, label, size_px, format);
         self.raster = Some(RasterBuffers {
             size_px,
             ids: texture("visible ids", Format::R32_UINT)?,
