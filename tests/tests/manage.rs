@@ -3,7 +3,7 @@
 use anyhow::{Context as _, Result};
 use pointstage_engine::plugins::{DiscoverOptions, FoundIn, VerdictClass};
 use pointstage_engine::stage::{
-    FALLBACK_ID, FrameRequest, Patience, SettingValue, Stage, StageOptions, StageThread,
+    FALLBACK_ID, FrameRequest, Patience, SettingValue, Stage, StageOptions, StageThread, ViewportId,
 };
 use pointstage_scene::Scene;
 use pointstage_tests::plugins::{self, replace_all, spoiled};
@@ -219,7 +219,7 @@ fn the_render_thread_cancels_while_the_window_only_watches() -> Result<()> {
         anyhow::ensure!(start.elapsed() < PATIENCE, "never cancelled");
         if !cancelled
             && thread
-                .latest()
+                .latest(ViewportId(0))
                 .is_some_and(|frame| frame.preparing.is_some())
         {
             cancelled = true;

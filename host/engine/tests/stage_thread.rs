@@ -1,6 +1,8 @@
 //! The render thread: what is done first, and that background work never holds up a picture.
 
-use pointstage_engine::stage::{FALLBACK_ID, FrameRequest, Stage, StageOptions, StageThread};
+use pointstage_engine::stage::{
+    FALLBACK_ID, FrameRequest, Stage, StageOptions, StageThread, ViewportId,
+};
 use pointstage_scene::{Camera, Scene};
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -81,7 +83,7 @@ fn background_work_goes_on_step_by_step_behind_frames_and_errands() {
     drop(go_on);
     reached.recv_timeout(PATIENCE).expect("the second step");
     assert!(
-        thread.latest().is_some(),
+        thread.latest(ViewportId(0)).is_some(),
         "the frame came before the second step"
     );
     let order = order.lock().expect("no panic").clone();
@@ -96,7 +98,7 @@ fn endless_background_work_ends_with_the_thread_and_is_told_apart_from_busy() {
         woken.recv_timeout(PATIENCE).expect("steps go on");
     }
     thread.submit(frame());
-    while thread.latest().is_none() {
+    while thread.latest(ViewportId(0)).is_none() {
         woken.recv_timeout(PATIENCE).expect("the frame comes");
     }
     let status = thread.status();
@@ -130,4 +132,38 @@ fn works_take_turns_only_when_one_has_ended() {
         order,
         [("first", 1), ("first", 2), ("second", 1), ("second", 2)]
     );
+}
+
+#[test]
+fn every_viewport_gets_its_frame_and_a_closed_one_is_forgotten() {
+    let (thread, woken) = spawn();
+    let of = |viewport: u32, side: u32| FrameRequest {
+        viewport: ViewportId(viewport),
+        size_px: [side, 4],
+        ..frame()
+    };
+    let release = hold(&thread);
+    for viewport in 0..4 {
+        thread.submit(of(viewport, 8));
+    }
+    // Whoever asks again while all wait takes nobody's place.
+    thread.submit(of(1, 9));
+    thread.close_viewport(ViewportId(3));
+    drop(release);
+    while thread.status().busy {
+        woken.recv_timeout(PATIENCE).expect("the frames come");
+    }
+    let widths = [0, 1, 2, 3].map(|viewport| {
+        let latest = thread.latest(ViewportId(viewport));
+        latest.map(|frame| frame.picture.size_px[0])
+    });
+    assert_eq!(widths, [Some(8), Some(9), Some(8), None]);
+    thread.close_viewport(ViewportId(0));
+    assert!(thread.latest(ViewportId(0)).is_none());
+    thread.submit(of(0, 7));
+    while thread.latest(ViewportId(0)).is_none() {
+        woken
+            .recv_timeout(PATIENCE)
+            .expect("it is asked for again, and comes");
+    }
 }

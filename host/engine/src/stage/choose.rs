@@ -1,14 +1,14 @@
 //! Which renderer draws a frame and which structure selects for it; preparing both.
 
+use super::instances::{Instance, Instances, Parts, User};
 use super::options::FrameError;
-use super::prepare::{Inputs, PrepareKey, Product, Slot, Standing, Wait};
+use super::prepare::{Inputs, PrepareKey, Product, Standing, Wait};
 use super::request::{FrameRequest, Patience, Preparing, Role, Severity};
-use super::session::{Drawer, FALLBACK_ID, Instance, Selecting, Stage};
+use super::session::{Drawer, FALLBACK_ID, Selecting, Stage};
 use super::upload::Extra;
 use crate::plugins::{Act, HostInstance, PluginInfo, suitability};
 use pointstage_plugin_api::abi::{RendererBox, StructureBox, share_host};
 use pointstage_plugin_api::settings_schema::{SettingCost, SettingValues, snapshot};
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -37,8 +37,8 @@ impl Stage {
                 };
                 let own = self
                     .renderers
-                    .get(&info.id)
-                    .and_then(|instance| instance.slot.last_good().cloned());
+                    .get(&info)
+                    .and_then(|instance| instance.last_good(user_of(request)).cloned());
                 let own = own.filter(|ready| ready.key.device == self.generation());
                 let drawer = match own {
                     Some(ready) => Drawer::Plugin(info, ready),
@@ -49,7 +49,7 @@ impl Stage {
                 Ok((drawer, Some(preparing)))
             }
             Ok((info, Standing::Failed(source))) => {
-                let instance = self.renderers.get_mut(&info.id);
+                let instance = self.renderers.get_mut(&info);
                 let is_new = instance.is_none_or(|instance| instance.note_failure(&source));
                 let plugin = info.id.clone();
                 let error = FrameError::Plugin { plugin, source };
@@ -86,13 +86,13 @@ impl Stage {
     /// The viewport's last good renderer, of this role or of the main one, if it is another one and ready for this device.
     pub(super) fn last_good(&mut self, request: &FrameRequest, but: &str) -> Option<Drawer> {
         let roles = [request.role, Role::Main];
-        let ids = roles.map(|role| {
+        let infos = roles.map(|role| {
             let viewport = self.viewports.get(&(request.viewport, role));
             viewport.and_then(|viewport| viewport.last_good.clone())
         });
-        let id = ids.into_iter().flatten().find(|id| id != but)?;
-        let ready = self.renderers.get(&id)?.slot.last_good()?.clone();
-        let info = self.registry.find_renderer(&id).ok()?;
+        let info = infos.into_iter().flatten().find(|info| info.id != but)?;
+        let instance = self.renderers.get(&info)?;
+        let ready = instance.last_good(user_of(request))?.clone();
         (ready.key.device == self.generation()).then_some(Drawer::Plugin(info, ready))
     }
 
@@ -123,15 +123,15 @@ impl Stage {
                     stage,
                 };
                 let generation = self.generation();
-                let instance = self.structures.get(&info.id);
-                let last_good = instance.and_then(|instance| instance.slot.last_good());
+                let instance = self.structures.get(&info);
+                let last_good = instance.and_then(|instance| instance.last_good(user_of(request)));
                 let selecting = last_good
                     .filter(|ready| ready.key.device == generation)
                     .map(|ready| (info, Arc::clone(ready)));
                 return Ok((selecting, Some(preparing)));
             }
             Ok((info, Standing::Failed(source))) => {
-                let instance = self.structures.get_mut(&info.id);
+                let instance = self.structures.get_mut(&info);
                 let is_new = instance.is_none_or(|instance| instance.note_failure(&source));
                 if !is_new && request.patience != Patience::Wait {
                     return Ok((None, None));
@@ -177,15 +177,15 @@ impl Stage {
         request: &FrameRequest,
         info: &Arc<PluginInfo>,
         settings: &SettingValues,
-        instances: fn(&mut Self) -> &mut HashMap<String, Instance<P>>,
+        instances: fn(&mut Self) -> &mut Instances<P>,
     ) -> Result<Standing<P>, FrameError> {
         let generation = self.generation();
         if instances(self)
-            .get(&info.id)
-            .is_none_or(|instance| instance.device != generation || instance.hash != info.hash)
+            .get(info)
+            .is_none_or(|instance| instance.device != generation)
         {
             let instance = self.instance(info)?;
-            instances(self).insert(info.id.clone(), instance);
+            instances(self).insert(&info.id, instance);
         }
         let costly = info
             .entry
@@ -201,18 +201,16 @@ impl Stage {
             device: generation,
         };
         if let Some(gpu) = &self.gpu {
-            gpu.scene.update(
-                &request.scene,
-                std::iter::empty(),
-                &Extra::of(&info.entry.needs),
-            )?;
+            let extra = Extra::of(&info.entry.needs);
+            gpu.scene
+                .prepare(request.viewport, &request.scene, &extra)?;
         }
         let wait = match request.patience {
             Patience::Wait => Wait::Until(self.options.prepare_limit),
             Patience::DrawMeanwhile => Wait::Grace(GRACE),
         };
         let on_device = self.gpu.as_ref().map(|gpu| Arc::clone(&gpu.scene));
-        let Some(instance) = instances(self).get_mut(&info.id) else {
+        let Some(instance) = instances(self).get_mut(info) else {
             unreachable!("inserted above")
         };
         let inputs = Inputs {
@@ -223,11 +221,12 @@ impl Stage {
             settings: settings.clone(),
             on_device,
         };
-        Ok(instance.slot.standing(inputs, wait))
+        let slot = instance.slot_for(user_of(request), &inputs.key.settings);
+        Ok(slot.standing(inputs, wait))
     }
 
     /// Loads a plugin and makes its host object.
-    fn instance<P>(&self, info: &Arc<PluginInfo>) -> Result<Instance<P>, FrameError> {
+    fn instance<P: Product>(&self, info: &Arc<PluginInfo>) -> Result<Instance<P>, FrameError> {
         self.try_first(info)?;
         let watch = self.registry.watch(info, Act::FirstUse);
         let factory = self.registry.load(info)?;
@@ -248,25 +247,28 @@ impl Stage {
             .zip(owner)
             .map(|(gpu, owner)| gpu.service.object(owner));
         let host = HostInstance::border(info, gpu, self.thread_count(), self.registry.log());
-        Ok(Instance {
-            slot: Slot::default(),
+        Ok(Instance::new(Parts {
             factory,
             hash: info.hash.clone(),
             host,
             owner,
             device: self.generation(),
-            told: None,
             watch: Some(watch),
-        })
+        }))
     }
 
     /// The instance of a renderer in use.
-    pub(super) fn renderer_instance(&self, id: &str) -> Option<&Instance<RendererBox>> {
-        self.renderers.get(id)
+    pub(super) fn renderer_instance(&self, info: &PluginInfo) -> Option<&Instance<RendererBox>> {
+        self.renderers.get(info)
     }
 
     /// The instance of a structure in use.
-    pub(super) fn structure_instance(&self, id: &str) -> Option<&Instance<StructureBox>> {
-        self.structures.get(id)
+    pub(super) fn structure_instance(&self, info: &PluginInfo) -> Option<&Instance<StructureBox>> {
+        self.structures.get(info)
     }
+}
+
+/// Whose preparations a request draws with.
+pub(super) fn user_of(request: &FrameRequest) -> User {
+    (request.viewport, request.role)
 }

@@ -2,9 +2,11 @@
 //!
 //! What is in use and unchanged goes on; scene, requests and settings are not the plugins' and stay in any case.
 
-use super::session::{Instance, Stage};
-use crate::plugins::{PluginFolderError, Registry};
-use std::collections::HashMap;
+use super::instances::Instances;
+use super::prepare::Product;
+use super::session::Stage;
+use crate::plugins::{PluginFolderError, PluginInfo, Registry};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,17 +16,21 @@ impl Stage {
     pub fn rescan(&mut self) {
         self.registry = Arc::new(self.registry.discover_again(&self.options.plugins));
         let registry = Arc::clone(&self.registry);
-        let hash_of_renderer = |id: &str| Some(registry.find_renderer(id).ok()?.hash.clone());
-        let hash_of_structure = |id: &str| Some(registry.find_structure(id).ok()?.hash.clone());
-        let renderers = stale(&self.renderers, hash_of_renderer);
-        let structures = stale(&self.structures, hash_of_structure);
+        let renderers = stale(&mut self.renderers, &registry.renderers());
+        let structures = stale(&mut self.structures, &registry.structures());
+        let is_among = |gone: &BTreeSet<(String, String)>, id: &str| {
+            gone.iter().any(|(gone_id, _)| gone_id == id)
+        };
+        // A view of another build of the same plugin is made anew from what that build prepared.
         for viewport in self.viewports.values_mut() {
-            viewport.views.retain(|id, _| !renderers.contains(id));
-            viewport.selectors.retain(|id, _| !structures.contains(id));
-            viewport.last_good.take_if(|good| renderers.contains(good));
+            viewport.views.retain(|id, _| !is_among(&renderers, id));
+            viewport
+                .selectors
+                .retain(|id, _| !is_among(&structures, id));
+            viewport
+                .last_good
+                .take_if(|good| renderers.contains(&(good.id.clone(), good.hash.clone())));
         }
-        self.renderers.retain(|id, _| !renderers.contains(id));
-        self.structures.retain(|id, _| !structures.contains(id));
     }
 
     /// The folders that plugins are looked for in, in their order of precedence.
@@ -99,14 +105,13 @@ fn ids_in(registry: &Registry, file: &Path) -> Vec<String> {
         .collect()
 }
 
-/// Ids of those in use that failed, or whose content is not what the registry finds now.
-fn stale<P>(
-    instances: &HashMap<String, Instance<P>>,
-    hash_of: impl Fn(&str) -> Option<String>,
-) -> Vec<String> {
-    let is_stale = |(id, instance): &(&String, &Instance<P>)| {
-        instance.told.is_some() || hash_of(id).as_ref() != Some(&instance.hash)
-    };
-    let ids = instances.iter().filter(is_stale);
-    ids.map(|(id, _)| id.clone()).collect()
+/// Takes out those in use that failed, or that are not among what the registry finds now; which, by id and hash.
+fn stale<P: Product>(
+    instances: &mut Instances<P>,
+    found: &[Arc<PluginInfo>],
+) -> BTreeSet<(String, String)> {
+    instances.take_out(|id, instance| {
+        let is_found = |info: &Arc<PluginInfo>| info.id == id && info.hash == instance.hash;
+        instance.told.is_some() || !found.iter().any(is_found)
+    })
 }

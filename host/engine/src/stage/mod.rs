@@ -16,6 +16,7 @@ mod choose;
 mod draw;
 mod first_use;
 mod ids;
+mod instances;
 mod manage;
 mod options;
 mod prepare;

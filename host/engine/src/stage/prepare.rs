@@ -111,16 +111,6 @@ pub(super) struct Slot<P> {
     failed: Option<(PrepareKey, Error)>,
 }
 
-impl<P> Default for Slot<P> {
-    fn default() -> Self {
-        Self {
-            ready: None,
-            running: None,
-            failed: None,
-        }
-    }
-}
-
 /// How things stand for a key.
 pub(super) enum Standing<P> {
     /// Prepared for just this.
@@ -132,6 +122,15 @@ pub(super) enum Standing<P> {
 }
 
 impl<P: Product> Slot<P> {
+    /// An empty one that has what was prepared for another, to go on from and to draw with until then.
+    pub(super) fn starting_from(ready: Option<Arc<Ready<P>>>) -> Self {
+        Self {
+            ready,
+            running: None,
+            failed: None,
+        }
+    }
+
     /// Starts what is due and tells how things stand.
     pub(super) fn standing(&mut self, inputs: Inputs, wait: Wait) -> Standing<P> {
         let key = inputs.key.clone();

@@ -1,14 +1,15 @@
 //! What is dropped after an error, and how a lost device is replaced.
 
+use super::choose::user_of;
 use super::options::{FrameError, StageError};
-use super::prepare::Product;
-use super::request::Severity;
-use super::session::{Instance, OnDevice, Stage};
+use super::request::{FrameRequest, Severity};
+use super::session::{OnDevice, Stage};
 use super::upload::SceneOnDevice;
 use super::viewport::Viewport;
 use crate::device::GpuDevice;
 use crate::frame::compose::Composer;
 use crate::gpu::GpuService;
+use crate::plugins::PluginInfo;
 use pointstage_plugin_api::Error as PluginError;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,22 +19,28 @@ const MOST_LOSSES: usize = 3;
 const LOSS_WINDOW: Duration = Duration::from_mins(1);
 
 impl Stage {
-    /// After an error: drops the plugin's views or selectors everywhere, and its preparation.
-    pub(super) fn drop_plugin(&mut self, id: &str, error: &FrameError) {
+    /// After an error: drops the plugin's views or selectors everywhere, and what the request drew with.
+    pub(super) fn drop_plugin(
+        &mut self,
+        request: &FrameRequest,
+        info: &PluginInfo,
+        error: &FrameError,
+    ) {
         let source = match error {
             FrameError::Plugin { source, .. } => source.clone(),
             other => PluginError::failed(other),
         };
         for viewport in self.viewports.values_mut() {
-            viewport.views.remove(id);
-            viewport.selectors.remove(id);
-            viewport.last_good.take_if(|good| good == id);
+            viewport.views.remove(&info.id);
+            viewport.selectors.remove(&info.id);
+            viewport.last_good.take_if(|good| good.id == info.id);
         }
-        if let Some(instance) = self.renderers.get_mut(id) {
-            instance.fail(source.clone());
+        let user = user_of(request);
+        if let Some(instance) = self.renderers.get_mut(info) {
+            instance.fail(user, &source);
         }
-        if let Some(instance) = self.structures.get_mut(id) {
-            instance.fail(source);
+        if let Some(instance) = self.structures.get_mut(info) {
+            instance.fail(user, &source);
         }
     }
 
@@ -42,10 +49,15 @@ impl Stage {
     ///
     /// [`Notice`]: super::Notice
     pub fn cancel_preparation(&mut self, id: &str) -> bool {
-        let renderer = self.renderers.get_mut(id);
-        let renderer = renderer.is_some_and(Instance::cancel);
-        let structure = self.structures.get_mut(id);
-        let structure = structure.is_some_and(Instance::cancel);
+        // Every build is asked: none may be left out once one was cancelled.
+        let renderer = self
+            .renderers
+            .of_id_mut(id)
+            .fold(false, |any, build| build.cancel() || any);
+        let structure = self
+            .structures
+            .of_id_mut(id)
+            .fold(false, |any, build| build.cancel() || any);
         if !renderer && !structure {
             return false;
         }
@@ -135,37 +147,5 @@ impl Stage {
         }
         self.renderers.clear();
         self.structures.clear();
-    }
-}
-
-impl<P: Product> Instance<P> {
-    /// Marks the preparation as failed, as the user is told.
-    fn fail(&mut self, error: PluginError) {
-        self.told = Some(error.clone());
-        self.slot.fail(error);
-        self.watch = None;
-    }
-
-    /// Notes that the preparation failed in a way that was survived; whether that is still to be told.
-    pub(super) fn note_failure(&mut self, error: &PluginError) -> bool {
-        self.watch = None;
-        self.told.replace(error.clone()).as_ref() != Some(error)
-    }
-
-    /// Cancels the preparation under way; whether there was one. The user asked for it, so it is not told as a failure.
-    fn cancel(&mut self) -> bool {
-        let error = self.slot.cancel();
-        let is_cancelled = error.is_some();
-        if is_cancelled {
-            self.told = error;
-            self.watch = None;
-        }
-        is_cancelled
-    }
-
-    /// Forgets a failure, so that the next frame tries again.
-    pub(super) fn retry(&mut self) {
-        self.slot.retry();
-        self.told = None;
     }
 }

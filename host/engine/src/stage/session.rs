@@ -1,8 +1,9 @@
 //! The stage itself: device, plugins, preparations; and which renderer draws.
 
 use super::draw::given_targets;
+use super::instances::{Instance, Instances};
 use super::options::{FrameError, StageError, StageOptions};
-use super::prepare::{Ready, Slot};
+use super::prepare::Ready;
 use super::request::{FrameRequest, FrameResult, Notice, Patience, Role, Severity, ViewportId};
 use super::thread::PluginHoldings;
 use super::upload::SceneOnDevice;
@@ -10,10 +11,9 @@ use super::viewport::Viewport;
 use crate::device::GpuDevice;
 use crate::frame::compose::Composer;
 use crate::frame::targets::TargetSpec;
-use crate::gpu::{GpuService, Owner};
-use crate::plugins::{Factory, PluginFile, PluginInfo, Registry, UnknownPlugin, Watch};
-use pointstage_plugin_api::Error as PluginError;
-use pointstage_plugin_api::abi::{HostRef, RendererBox, StructureBox};
+use crate::gpu::GpuService;
+use crate::plugins::{PluginFile, PluginInfo, Registry, UnknownPlugin};
+use pointstage_plugin_api::abi::{RendererBox, StructureBox};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
@@ -31,8 +31,8 @@ pub struct Stage {
     pub(super) gpu: Option<OnDevice>,
     pub(super) no_device: Option<String>,
     pub(super) losses: Vec<Instant>,
-    pub(super) renderers: HashMap<String, Instance<RendererBox>>,
-    pub(super) structures: HashMap<String, Instance<StructureBox>>,
+    pub(super) renderers: Instances<RendererBox>,
+    pub(super) structures: Instances<StructureBox>,
     pub(super) viewports: HashMap<(ViewportId, Role), Viewport>,
     pub(super) notices: Vec<Notice>,
 }
@@ -58,23 +58,6 @@ pub(super) struct OnDevice {
     pub composer: Composer,
 }
 
-/// One plugin in use.
-pub(super) struct Instance<P> {
-    pub slot: Slot<P>,
-    pub factory: Arc<Factory>,
-    /// Content hash of its library.
-    pub hash: String,
-    pub host: HostRef,
-    /// Whose handles its are; none without a device.
-    pub owner: Option<Owner>,
-    /// Generation of the device that it was made for.
-    pub device: u64,
-    /// The failure that was last told, so that it is told once.
-    pub told: Option<PluginError>,
-    /// Names the plugin in the crash journal until it has drawn once, or failed in a way that was survived.
-    pub watch: Option<Watch>,
-}
-
 /// A structure that is ready to select.
 pub(super) type Selecting = (Arc<PluginInfo>, Arc<Ready<StructureBox>>);
 
@@ -97,8 +80,8 @@ impl Stage {
             gpu: None,
             no_device: None,
             losses: Vec::new(),
-            renderers: HashMap::new(),
-            structures: HashMap::new(),
+            renderers: Instances::default(),
+            structures: Instances::default(),
             viewports: HashMap::new(),
             notices: Vec::new(),
         };
@@ -154,10 +137,10 @@ impl Stage {
 
     /// Handles and bytes that a renderer or structure holds on the device.
     pub fn holdings(&self, id: &str) -> (usize, u64) {
-        let renderer = self.renderers.get(id).and_then(|instance| instance.owner);
-        let structure = self.structures.get(id).and_then(|instance| instance.owner);
+        let renderers = self.renderers.of_id(id).filter_map(|build| build.owner);
+        let structures = self.structures.of_id(id).filter_map(|build| build.owner);
         let Some(gpu) = &self.gpu else { return (0, 0) };
-        let owners = renderer.into_iter().chain(structure);
+        let owners = renderers.chain(structures);
         owners.fold((0, 0), |(handles, bytes), owner| {
             (
                 handles + gpu.service.handle_count(owner),
@@ -168,11 +151,7 @@ impl Stage {
 
     /// What every plugin in use holds on the device, by id.
     pub fn all_holdings(&self) -> Vec<PluginHoldings> {
-        let ids: BTreeSet<&String> = self
-            .renderers
-            .keys()
-            .chain(self.structures.keys())
-            .collect();
+        let ids: BTreeSet<&String> = self.renderers.ids().chain(self.structures.ids()).collect();
         ids.into_iter()
             .map(|id| {
                 let (handle_count, bytes) = self.holdings(id);
@@ -190,17 +169,18 @@ impl Stage {
 
     /// Tries a failed renderer or structure again with the next frame.
     pub fn retry(&mut self, id: &str) {
-        if let Some(instance) = self.renderers.get_mut(id) {
-            instance.retry();
-        }
-        if let Some(instance) = self.structures.get_mut(id) {
-            instance.retry();
-        }
+        self.renderers.of_id_mut(id).for_each(Instance::retry);
+        self.structures.of_id_mut(id).for_each(Instance::retry);
     }
 
-    /// Drops what a viewport holds.
+    /// Drops what a viewport holds, and what was prepared or kept on the device for it alone.
     pub fn close_viewport(&mut self, viewport: ViewportId) {
         self.viewports.retain(|(id, _), _| *id != viewport);
+        self.renderers.forget_viewport(viewport);
+        self.structures.forget_viewport(viewport);
+        if let Some(gpu) = &self.gpu {
+            gpu.scene.forget_viewport(viewport);
+        }
     }
 
     /// Draws one frame.
@@ -240,29 +220,29 @@ impl Stage {
         };
         let lost = self.gpu.as_ref().is_some_and(|gpu| gpu.device.is_lost());
         let culprit = match (structure, drawer) {
-            (Some((info, _)), _) if error.is_of(&info.id) => &info.id,
-            (_, Drawer::Plugin(info, _)) => &info.id,
+            (Some((info, _)), _) if error.is_of(&info.id) => info,
+            (_, Drawer::Plugin(info, _)) => info,
             (_, Drawer::Fallback) => return Err(error),
         };
         if lost {
             // Not the plugin's fault as far as anybody can tell: mend the device and draw on.
             self.mend_device();
         } else {
-            self.drop_plugin(culprit, &error);
+            self.drop_plugin(request, culprit, &error);
         }
         if request.patience == Patience::Wait && !lost {
             return Err(error);
         }
         self.tell(
             Severity::Error,
-            culprit,
+            &culprit.id,
             error.to_string(),
             error.detail().to_owned(),
         );
-        if !lost && structure.is_some_and(|(info, _)| info.id == *culprit) {
+        if !lost && structure.is_some_and(|(info, _)| info.id == culprit.id) {
             return self.draw_or_fall_back(request, drawer, None);
         }
-        let stand_in = self.last_good(request, culprit);
+        let stand_in = self.last_good(request, &culprit.id);
         let stand_in = stand_in.unwrap_or(Drawer::Fallback);
         self.draw(request, &stand_in, structure)
             .or_else(|_| self.draw(request, &Drawer::Fallback, None))
@@ -275,15 +255,15 @@ impl Stage {
         drawer: &Drawer,
         structure: Option<&Selecting>,
     ) {
-        let instance = structure.and_then(|(info, _)| self.structures.get_mut(&info.id));
+        let instance = structure.and_then(|(info, _)| self.structures.get_mut(info));
         if let Some(instance) = instance {
             instance.watch = None;
         }
         if let Drawer::Plugin(info, _) = drawer {
-            if let Some(instance) = self.renderers.get_mut(&info.id) {
+            if let Some(instance) = self.renderers.get_mut(info) {
                 instance.watch = None;
             }
-            self.viewport(request).last_good = Some(info.id.clone());
+            self.viewport(request).last_good = Some(Arc::clone(info));
         }
     }
 

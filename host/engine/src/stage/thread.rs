@@ -2,10 +2,10 @@
 //!
 //! Errands come first, then frames, then background work, one step of it at a time.
 
-use super::request::{FrameRequest, FrameResult, Notice};
+use super::request::{FrameRequest, FrameResult, Notice, ViewportId};
 use super::{Adapter, FrameError, Stage, StageOptions};
 use crate::plugins::Registry;
-use std::collections::VecDeque;
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -52,10 +52,13 @@ struct Shared {
 
 #[derive(Default)]
 struct State {
-    wanted: Option<FrameRequest>,
+    /// Frames that wait, at most one a viewport, in the order in which the viewports asked.
+    wanted: VecDeque<FrameRequest>,
     errands: VecDeque<Errand>,
     background: VecDeque<Background>,
-    latest: Option<Arc<FrameResult>>,
+    latest: HashMap<ViewportId, Arc<FrameResult>>,
+    /// Viewports that nobody has asked a frame for since they were closed.
+    closed: HashSet<ViewportId>,
     notices: Vec<Notice>,
     error: Option<String>,
     registry: Option<Arc<Registry>>,
@@ -89,15 +92,20 @@ impl StageThread {
         })
     }
 
-    /// Asks for a frame. One that still waits is replaced, keeping its actions.
+    /// Asks for a frame. One of the same viewport that still waits is replaced, keeping its actions and its turn: each
+    /// viewport gets one frame before any gets another.
     pub fn submit(&self, mut request: FrameRequest) {
         let mut state = self.shared.lock();
-        if let Some(waiting) = state.wanted.take() {
-            let mut actions = waiting.actions;
-            actions.append(&mut request.actions);
-            request.actions = actions;
+        let mut waiting = state.wanted.iter_mut();
+        match waiting.find(|waiting| waiting.viewport == request.viewport) {
+            Some(waiting) => {
+                let mut actions = std::mem::take(&mut waiting.actions);
+                actions.append(&mut request.actions);
+                request.actions = actions;
+                *waiting = request;
+            }
+            None => state.wanted.push_back(request),
         }
-        state.wanted = Some(request);
         state.status.busy = true;
         self.shared.wake.notify_one();
     }
@@ -118,9 +126,21 @@ impl StageThread {
         self.shared.wake.notify_one();
     }
 
-    /// The last frame drawn.
-    pub fn latest(&self) -> Option<Arc<FrameResult>> {
-        self.shared.lock().latest.clone()
+    /// A viewport's last frame.
+    pub fn latest(&self, viewport: ViewportId) -> Option<Arc<FrameResult>> {
+        self.shared.lock().latest.get(&viewport).cloned()
+    }
+
+    /// Forgets a viewport: its frames, and what the stage holds for it.
+    pub fn close_viewport(&self, viewport: ViewportId) {
+        let mut state = self.shared.lock();
+        state.wanted.retain(|request| request.viewport != viewport);
+        state.errands.push_back(Box::new(move |stage| {
+            stage.close_viewport(viewport);
+        }));
+        state.latest.remove(&viewport);
+        state.closed.insert(viewport);
+        self.shared.wake.notify_one();
     }
 
     /// Takes the notices of all frames since the last call: a window may not see each frame.
@@ -196,7 +216,7 @@ impl Shared {
                 Work::Frame(request) => {
                     let outcome = stage.frame(&request);
                     self.publish(&mut stage);
-                    self.store(outcome);
+                    self.store(request.viewport, outcome);
                 }
             }
             repaint();
@@ -212,7 +232,8 @@ impl Shared {
             if let Some(errand) = state.errands.pop_front() {
                 return Work::Errand(errand);
             }
-            if let Some(request) = state.wanted.take() {
+            if let Some(request) = state.wanted.pop_front() {
+                state.closed.remove(&request.viewport);
                 return Work::Frame(Box::new(request));
             }
             state.status.busy = false;
@@ -236,16 +257,19 @@ impl Shared {
         state.status.no_device = stage.no_device().map(ToOwned::to_owned);
     }
 
-    fn store(&self, outcome: Result<FrameResult, FrameError>) {
+    fn store(&self, viewport: ViewportId, outcome: Result<FrameResult, FrameError>) {
         let mut state = self.lock();
         match outcome {
             Ok(result) => {
                 state.notices.extend(result.notices.iter().cloned());
-                state.latest = Some(Arc::new(result));
+                // One that was closed while its frame was drawn has no use for it.
+                if !state.closed.contains(&viewport) {
+                    state.latest.insert(viewport, Arc::new(result));
+                }
                 state.error = None;
             }
             Err(error) => state.error = Some(error.to_string()),
         }
-        state.status.busy = state.wanted.is_some();
+        state.status.busy = !state.wanted.is_empty();
     }
 }

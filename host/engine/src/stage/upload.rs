@@ -1,5 +1,6 @@
 //! The scene on the device: each column once, shared by every renderer; and the bind groups of group 1.
 
+use super::request::ViewportId;
 use crate::device::{GpuDevice, GpuError};
 use crate::gpu::GpuService;
 use pointstage_plugin_api::abi::{Handle, standard_bindings as bindings};
@@ -29,7 +30,17 @@ pub(super) struct SceneOnDevice {
 #[derive(Default)]
 struct State {
     columns: HashMap<usize, Uploaded>,
+    kept: HashMap<ViewportId, Kept>,
     groups: HashMap<[wgpu::Buffer; 6], Handle>,
+}
+
+/// What stays on the device for a viewport, by the address of the content.
+#[derive(Default)]
+struct Kept {
+    /// The scene that is or was prepared for its next frames.
+    prepared: HashSet<usize>,
+    /// What its last frame drew.
+    drawn: HashSet<usize>,
 }
 
 /// What a renderer needs on the device beside the standard columns.
@@ -73,13 +84,45 @@ impl SceneOnDevice {
         })
     }
 
-    /// Uploads what of the scene is not on the device yet, and forgets what is no longer in it nor in `others`.
+    /// Uploads what of the scene and of `others` is not on the device yet, for a frame of `viewport`, and forgets what no
+    /// viewport's last frame drew. Viewports that draw the same scene share its columns.
     pub(super) fn update<'a>(
         &self,
+        viewport: ViewportId,
         scene: &Scene,
         others: impl Iterator<Item = &'a Block>,
         extra: &Extra,
     ) -> Result<(), GpuError> {
+        let mut wanted = self.upload_columns(scene, extra)?;
+        for block in others {
+            self.upload_block(block, &mut wanted)?;
+        }
+        self.lock().kept.entry(viewport).or_default().drawn = wanted;
+        self.forget_unkept();
+        Ok(())
+    }
+
+    /// Uploads what of the scene is not on the device yet: something is prepared from it for `viewport`, whose last frame
+    /// may have drawn another one.
+    pub(super) fn prepare(
+        &self,
+        viewport: ViewportId,
+        scene: &Scene,
+        extra: &Extra,
+    ) -> Result<(), GpuError> {
+        let wanted = self.upload_columns(scene, extra)?;
+        self.lock().kept.entry(viewport).or_default().prepared = wanted;
+        Ok(())
+    }
+
+    /// A viewport was closed: what it alone drew is forgotten.
+    pub(super) fn forget_viewport(&self, viewport: ViewportId) {
+        self.lock().kept.remove(&viewport);
+        self.forget_unkept();
+    }
+
+    /// Uploads what of the scene is not on the device yet; the addresses of all that it has.
+    fn upload_columns(&self, scene: &Scene, extra: &Extra) -> Result<HashSet<usize>, GpuError> {
         let mut wanted = HashSet::new();
         for object in scene.objects() {
             for block in &object.geometry.blocks {
@@ -109,11 +152,7 @@ impl SceneOnDevice {
                 }
             }
         }
-        for block in others {
-            self.upload_block(block, &mut wanted)?;
-        }
-        self.forget_all_but(&wanted);
-        Ok(())
+        Ok(wanted)
     }
 
     fn upload_block(&self, block: &Block, wanted: &mut HashSet<usize>) -> Result<(), GpuError> {
@@ -175,11 +214,20 @@ impl SceneOnDevice {
         Ok(())
     }
 
-    fn forget_all_but(&self, wanted: &HashSet<usize>) {
+    fn forget_unkept(&self) {
         let mut state = self.lock();
-        let State { columns, groups } = &mut *state;
+        let State {
+            columns,
+            kept,
+            groups,
+        } = &mut *state;
+        let is_kept = |address: &usize| {
+            let holds =
+                |kept: &Kept| kept.drawn.contains(address) || kept.prepared.contains(address);
+            kept.values().any(holds)
+        };
         let gone: Vec<Uploaded> = columns
-            .extract_if(|address, _| !wanted.contains(address))
+            .extract_if(|address, _| !is_kept(address))
             .map(|(_, uploaded)| uploaded)
             .collect();
         for uploaded in &gone {

@@ -5,6 +5,7 @@ use super::request::FrameRequest;
 use super::selection::FrameBuffers;
 use crate::frame::fallback::Fallback;
 use crate::frame::{CpuTargets, TargetSet};
+use crate::plugins::PluginInfo;
 use pointstage_plugin_api::abi::{
     FrameChanges, Handle, RendererBox, SelectorBox, StructureBox, ViewBox,
 };
@@ -20,7 +21,7 @@ pub(super) struct Viewport {
     pub cpu_targets: Option<CpuTargets>,
     pub fallback: Fallback,
     /// The renderer that drew last without an error.
-    pub last_good: Option<String>,
+    pub last_good: Option<Arc<PluginInfo>>,
 }
 
 impl Viewport {

@@ -182,7 +182,7 @@ impl Stage {
         ready: &Arc<Ready<RendererBox>>,
     ) -> Result<(ViewSlot, Option<ViewportOnDevice>), FrameError> {
         let host = self
-            .renderer_instance(&info.id)
+            .renderer_instance(info)
             .map(|instance| share_host(&instance.host));
         let viewport = self.viewport(request);
         let slot = viewport

@@ -54,7 +54,7 @@ impl Stage {
     ) -> Result<FrameResult, FrameError> {
         let thread_count = self.thread_count();
         let owner = self
-            .renderer_instance(&info.id)
+            .renderer_instance(info)
             .and_then(|instance| instance.owner);
         let (Some(gpu), Some(owner)) = (&self.gpu, owner) else {
             return Err(plugin_error(
@@ -64,8 +64,12 @@ impl Stage {
         };
         let request = planned.request;
         let blocks = planned.draws.iter().map(|draw| draw.block);
-        gpu.scene
-            .update(&request.scene, blocks, &Extra::of(&info.entry.needs))?;
+        gpu.scene.update(
+            request.viewport,
+            &request.scene,
+            blocks,
+            &Extra::of(&info.entry.needs),
+        )?;
         let on_viewport = fit(
             gpu,
             on_viewport,

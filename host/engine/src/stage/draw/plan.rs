@@ -83,7 +83,7 @@ impl Stage {
         )
         .map_err(|error| plugin_error(info, PluginError::failed(error)))?;
         planned.structure = self
-            .structure_instance(&info.id)
+            .structure_instance(info)
             .and_then(|instance| instance.owner);
         planned.selection_statistics = selected.statistics.into_vec();
         Ok(())
@@ -99,10 +99,10 @@ impl Stage {
         ready: &Arc<Ready<StructureBox>>,
     ) -> Result<SelectionRecord, FrameError> {
         let host = self
-            .structure_instance(&info.id)
+            .structure_instance(info)
             .map(|instance| share_host(&instance.host));
         let owner = self
-            .structure_instance(&info.id)
+            .structure_instance(info)
             .and_then(|instance| instance.owner);
         let settings = snapshot(&info.entry.settings, &request.structure_settings)?;
         let on_device = self.gpu.as_ref().map(|gpu| Arc::clone(&gpu.scene));
