@@ -17,7 +17,7 @@
 //! # Ok::<(), pointstage_plugin_api::manifest::ManifestError>(())
 //! ```
 
-use crate::settings_schema::{SchemaError, SettingSchema};
+use crate::settings_schema::{SchemaError, SettingSchema, SettingValue, SettingValues};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -122,6 +122,58 @@ pub struct Gives {
     pub transparency: bool,
     /// It has a hierarchy of its own and draws no selection of a structure.
     pub own_level_of_detail: bool,
+    /// What the host offers and its pictures do not depend on, so that a fair comparison can tell.
+    pub ignores: Vec<Ignored>,
+}
+
+/// Something of the host's that a renderer leaves out of account.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "WrittenIgnored")]
+pub struct Ignored {
+    /// `lights`: it shades without them; `radius_scale`: its splats keep their size. Others are kept and mean nothing yet.
+    pub what: String,
+    /// Only while this setting has this value; always if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub when: Option<Condition>,
+}
+
+/// A value of one of the plugin's own settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// The setting.
+    pub id: String,
+    /// Its value, as the manifest writes defaults.
+    pub equals: SettingValue,
+}
+
+impl Gives {
+    /// Whether a picture with these values, complete with defaults, leaves `what` out of account.
+    pub fn ignores(&self, what: &str, values: &SettingValues) -> bool {
+        let holds = |condition: &Condition| values.get(&condition.id) == Some(&condition.equals);
+        let all = self.ignores.iter().filter(|ignored| ignored.what == what);
+        all.into_iter()
+            .any(|ignored| ignored.when.as_ref().is_none_or(holds))
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum WrittenIgnored {
+    What(String),
+    Full {
+        what: String,
+        #[serde(default)]
+        when: Option<Condition>,
+    },
+}
+
+impl From<WrittenIgnored> for Ignored {
+    fn from(written: WrittenIgnored) -> Self {
+        match written {
+            WrittenIgnored::What(what) => Self { what, when: None },
+            WrittenIgnored::Full { what, when } => Self { what, when },
+        }
+    }
 }
 
 /// One target that a renderer writes: a key of the host's, or one of its own with format and meaning.

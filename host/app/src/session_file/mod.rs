@@ -2,10 +2,11 @@
 //! without one.
 //!
 //! [`SessionFile`] is the content; [`paths`] keeps scene files relative to the session file, so that a folder with both can
-//! be moved; [`scene`] turns entries into objects; [`request`] makes the session of one picture; [`picture`] finds the session inside a picture that Pointstage wrote;
+//! be moved; [`scene`] turns entries into objects; [`panes`] holds several views beside each other; [`request`] makes the session of one picture; [`picture`] finds the session inside a picture that Pointstage wrote;
 //! [`error`] says what is wrong with a file. Absent fields take defaults, unknown ones are ignored.
 
 mod error;
+mod panes;
 mod paths;
 mod picture;
 mod request;
@@ -23,6 +24,7 @@ use pointstage_scene::{Lights, ViewRecord};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use error::SessionFileError;
+pub(crate) use panes::{ComparisonFile, PaneFile};
 pub(crate) use paths::{absolute, folder_of};
 pub(crate) use scene::SceneFile;
 
@@ -67,6 +69,12 @@ pub(crate) struct SessionFile {
     /// Views to go back to.
     #[serde(default)]
     pub(crate) views: Vec<StoredView>,
+    /// All views beside each other, in order, where there are several; the fields above are those of the active one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) panes: Vec<PaneFile>,
+    /// How they are compared, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) comparison: Option<ComparisonFile>,
 }
 
 /// Ids of the plugins that draw. They may be of plugins that are not there.
@@ -98,6 +106,8 @@ impl SessionFile {
             settings: BTreeMap::new(),
             presets: BTreeMap::new(),
             views: Vec::new(),
+            panes: Vec::new(),
+            comparison: None,
         }
     }
 

@@ -2,19 +2,17 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use egui::{Context, Ui, ViewportCommand};
-use pointstage_engine::stage::{FrameResult, Role, Severity};
-use pointstage_plugin_api::abi::Interaction;
+use pointstage_engine::stage::{Severity, ViewportId};
 use pointstage_scene::{Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
 use super::apply::take_pasted_view;
-use super::asking::{Asking, Look, Wish};
+use super::comparison::Comparing;
 use super::dialogs::{FileDialog, PathField};
 use super::folder_dialog::FolderDialog;
-use super::frame_times::FrameTimes;
 use super::history::History;
 use super::host_times::HostTimes;
 use super::inspector::Inspector;
@@ -23,36 +21,31 @@ use super::loading::{Arrival, Batch, Finished, arrive};
 use super::log::Log;
 use super::memory::Memory;
 use super::navigation::{Navigator, take_flying_keys};
-use super::pacing::Pacer;
 use super::palette::Palette;
-use super::picture::{PictureTexture, Transition};
 use super::progress::Progress;
 use super::remembered::Remembered;
-use super::roles::Roles;
 use super::rows::Rows;
 use super::save_image::SaveImage;
+use super::screen::{PROGRESS_PERIOD, Screen};
 use super::session::Session;
+use super::several::Several;
 use super::stage_link::{DrawnWith, StageLink};
 use super::tasks::Tasks;
-use super::viewport::ViewportAnswer;
-
-/// How often progress is shown while a task runs or a renderer is prepared.
-const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
 
 /// Everything that the window holds.
 pub(crate) struct App {
     pub(super) session: Session,
+    /// What each view has on the screen, in the session's order.
+    pub(super) screens: Several<Screen>,
+    /// What comparing has on the screen.
+    pub(super) comparing: Comparing,
     pub(super) stage: StageLink,
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
     pub(super) log: Log,
     pub(super) remembered: Remembered,
-    pub(super) asking: Asking,
-    pub(super) roles: Roles,
     /// What the camera does by itself.
     pub(super) navigator: Navigator,
-    pub(super) pacer: Pacer,
-    pub(super) frame_times: FrameTimes,
     pub(super) host_times: HostTimes,
     pub(super) memory: Memory,
     pub(super) panels: Panels,
@@ -74,16 +67,10 @@ pub(crate) struct App {
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
     pub(super) next_batch: u64,
-    pub(super) viewport: Option<ViewportAnswer>,
-    pub(super) picture: PictureTexture,
-    /// The picture on the screen.
-    pub(super) shown: Option<Arc<FrameResult>>,
     pub(super) samples: Vec<PathBuf>,
     /// The scene and the device that `rows` were asked for.
     rows_of: Option<(Revision, DrawnWith)>,
     title: String,
-    /// When a picture last came or was asked for.
-    last_turn: Instant,
 }
 
 /// Which parts of the window are open.
@@ -133,16 +120,14 @@ impl App {
         } = start;
         let mut app = Self {
             session: Session::new(String::new()),
+            screens: Several::one(Screen::new(ViewportId(0))),
+            comparing: Comparing::new(&wake)?,
             stage,
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,
             log: Log::default(),
             remembered: Remembered::without_file(wake.clone())?,
-            asking: Asking::default(),
-            roles: Roles::default(),
             navigator: Navigator::default(),
-            pacer: Pacer::default(),
-            frame_times: FrameTimes::default(),
             host_times: HostTimes::default(),
             memory: Memory::default(),
             panels: Panels::default(),
@@ -160,13 +145,9 @@ impl App {
             wake,
             shown_batch: None,
             next_batch: 0,
-            viewport: None,
-            picture: PictureTexture::default(),
-            shown: None,
             samples,
             rows_of: None,
             title: String::new(),
-            last_turn: Instant::now(),
         };
         app.open(files, OpenMode::Replace);
         Ok(app)
@@ -182,11 +163,11 @@ impl App {
         self.take_errands(&ctx);
         self.refresh_rows();
         self.tell_of_conflicting_keys();
-        let refine = self.take_new_picture(&ctx);
+        self.take_new_pictures(&ctx);
         let mut intents = Intents::new();
         self.advance_camera(&ctx);
         let actions: Vec<Action> = actions::all(self);
-        let picture = self.viewport.map(|viewport| viewport.id);
+        let picture = self.screens.active.viewport.map(|viewport| viewport.id);
         if self.is_flying() {
             take_flying_keys(&ctx);
         }
@@ -202,7 +183,9 @@ impl App {
             self.apply(&ctx, intent);
         }
         self.note_history(&ctx);
-        let asked = self.ask_for_picture(&ctx, refine);
+        self.follow_active();
+        let asked = self.ask_for_pictures(&ctx);
+        self.compare(&ctx);
         self.schedule(&ctx, is_idle);
         if let Some(time) = self.keep_preferences(&ctx) {
             ctx.request_repaint_after(time);
@@ -265,27 +248,30 @@ impl App {
         if are_first {
             self.tell_of_missing_renderers();
         }
-        if self.rows.renderer(&self.session.renderer).is_none()
+        if self
+            .rows
+            .renderer(&self.session.panes.active.renderer)
+            .is_none()
             && let Some(first) = self.rows.first_suitable()
         {
-            self.session.renderer = first.id.clone();
+            self.session.panes.active.renderer = first.id.clone();
         }
-        self.asking.invalidate();
+        self.screens.active.asking.invalidate();
     }
 
     /// Says once, when a renderer is chosen, which of the keys that it suggests it does not get.
     fn tell_of_conflicting_keys(&mut self) {
-        if self.told_keys_of.as_ref() == Some(&self.session.renderer) {
+        if self.told_keys_of.as_ref() == Some(&self.session.panes.active.renderer) {
             return;
         }
-        let Some(row) = self.rows.renderer(&self.session.renderer) else {
+        let Some(row) = self.rows.renderer(&self.session.panes.active.renderer) else {
             return;
         };
         let now = Instant::now();
         for sentence in actions::conflicts(row) {
             self.log.say(Severity::Warning, sentence, now);
         }
-        self.told_keys_of = Some(self.session.renderer.clone());
+        self.told_keys_of = Some(self.session.panes.active.renderer.clone());
     }
 
     /// Says once which plugins the program goes without, and why.
@@ -308,143 +294,6 @@ impl App {
         }
     }
 
-    /// Takes over the newest picture. True if another one of the same look is due: the picture refines, or its renderer is
-    /// still being prepared and it is time to look again.
-    fn take_new_picture(&mut self, ctx: &Context) -> bool {
-        let now = Instant::now();
-        for notice in self.stage.take_notices() {
-            self.log.add(notice, now);
-        }
-        let Some(result) = self.stage.take_new_picture() else {
-            return self.is_preparing() && self.last_turn.elapsed() >= PROGRESS_PERIOD;
-        };
-        self.last_turn = now;
-        let is_by_main = result.drawn_by == self.session.renderer;
-        let takes_over = is_by_main && self.roles.main_is_there(now);
-        let was = self.shown.as_ref().map(|shown| shown.drawn_by.clone());
-        if was.as_ref() != Some(&result.drawn_by) {
-            tracing::info!("drawn by {}", result.drawn_by);
-        }
-        let transition = if takes_over && self.session.pacing.cross_fade {
-            Transition::CrossFade
-        } else {
-            Transition::Cut
-        };
-        self.picture.set(ctx, &result.picture, transition, now);
-        self.frame_times.note(result.stats.total, now);
-        self.inspector.learn(&result);
-        self.learn_pace(&result);
-        self.host_times.shown(&result.stats, now);
-        let refine = result.progress < 1.0 && result.preparing.is_none();
-        self.shown = Some(result);
-        refine
-    }
-
-    fn is_preparing(&self) -> bool {
-        self.shown
-            .as_ref()
-            .is_some_and(|shown| shown.preparing.is_some())
-    }
-
-    /// Learns from a picture of something that moved how large the next one may be.
-    fn learn_pace(&mut self, result: &FrameResult) {
-        let is_of_moving = self
-            .asking
-            .last_wish()
-            .is_some_and(|wish| wish.interaction != Interaction::STILL);
-        let Some(viewport) = self.viewport.filter(|_| is_of_moving) else {
-            return;
-        };
-        if result.preparing.is_none() {
-            let scale = result.picture.size_px[1] as f32 / viewport.size_px[1] as f32;
-            let (pacing, time) = (&self.session.pacing, result.stats.total);
-            self.pacer.took(pacing, &result.drawn_by, time, scale);
-        }
-    }
-
-    /// Asks for the next picture if one is needed, and says whether it was.
-    fn ask_for_picture(&mut self, ctx: &Context, refine: bool) -> bool {
-        let now = Instant::now();
-        let Some(wish) = self.wish(ctx, now) else {
-            return false;
-        };
-        let look = Look::new(&self.session, wish);
-        if !self.asking.is_due(&look, refine) {
-            return false;
-        }
-        if !self.asking.is_urgent()
-            && let Some(wait) = self.pacer.wait(&self.session.pacing, now)
-        {
-            if wait != Duration::MAX {
-                ctx.request_repaint_after(wait);
-            }
-            return false;
-        }
-        self.last_turn = now;
-        self.pacer.asked(now);
-        let request = self.asking.request(look, &self.session);
-        self.stage.submit(request);
-        self.host_times.asked();
-        true
-    }
-
-    /// Who is to draw now, how large, and what for; `None` before the viewport has a size and renderers are known.
-    fn wish(&mut self, ctx: &Context, now: Instant) -> Option<Wish> {
-        let ViewportAnswer {
-            size_px,
-            interaction,
-            ..
-        } = self.viewport?;
-        if interaction == Interaction::MOVING {
-            // The pass after the last move asks for the still picture.
-            ctx.request_repaint();
-        }
-        let is_pressed = ctx.input(|input| input.pointer.any_down());
-        let role = self
-            .roles
-            .choose(&self.session, interaction, is_pressed, now);
-        let suitable = |id: &str| {
-            let row = self.rows.renderer(id);
-            row.filter(|row| row.obstacle.is_none())
-        };
-        let preview = self.session.preview.as_deref().and_then(suitable);
-        let preview = preview.filter(|_| role == Role::Preview);
-        // A renderer that cannot draw this scene stays chosen, and another one stands in; its row says why.
-        let row = preview
-            .or_else(|| suitable(&self.session.renderer))
-            .or_else(|| self.rows.first_suitable())?;
-        let role = preview.map_or(Role::Main, |_| role);
-        // Between two moves a picture that is cheap to draw stays cheap.
-        let pauses = self.roles.is_moving()
-            && (role == Role::Preview || self.session.pacing.target_rate.is_some());
-        let is_moving = interaction != Interaction::STILL || pauses;
-        Some(Wish {
-            renderer: row.id.clone(),
-            role,
-            size_px: if is_moving {
-                self.pacer.moving_size(&self.session.pacing, size_px)
-            } else {
-                size_px
-            },
-            interaction: match interaction {
-                Interaction::STILL if pauses => Interaction::HELD,
-                other => other,
-            },
-            time_budget: self
-                .session
-                .pacing
-                .target_rate
-                .filter(|_| is_moving)
-                .map(|rate| Duration::from_secs(1) / rate.max(1)),
-            read_back: if is_moving {
-                Vec::new()
-            } else {
-                self.inspector
-                    .read_back(self.panels.inspector, self.targets())
-            },
-        })
-    }
-
     /// Asks for the next pass only where something will have changed by then.
     fn schedule(&self, ctx: &Context, is_idle: bool) {
         if !is_idle {
@@ -455,30 +304,24 @@ impl App {
             ctx.request_repaint_after(PROGRESS_PERIOD);
         }
         let now = Instant::now();
-        let changes = [
-            self.log.next_change(now),
-            self.roles.next_change(now),
-            self.frame_times.next_change(now),
-        ];
-        if let Some(time) = changes.into_iter().flatten().min() {
+        let of_views = self
+            .screens
+            .iter()
+            .filter_map(|screen| screen.next_change(now));
+        if let Some(time) = self.log.next_change(now).into_iter().chain(of_views).min() {
             ctx.request_repaint_after(time);
         }
-        if self.picture.is_fading() {
+        if self.screens.iter().any(|screen| screen.picture.is_fading()) {
             ctx.request_repaint();
         }
     }
 
-    /// Whether the picture on the screen is the final one of its look, and nothing is being loaded or moved.
+    /// Whether the pictures on the screen are the final ones of their looks, nothing is being loaded, moved or measured.
     fn is_at_rest(&self) -> bool {
-        let is_final = |shown: &FrameResult| shown.preparing.is_none() && shown.progress >= 1.0;
-        let is_still = |viewport: ViewportAnswer| viewport.interaction == Interaction::STILL;
-        self.shown.as_deref().is_some_and(is_final)
-            && self.viewport.is_some_and(is_still)
+        self.is_resting()
             && !self.navigator.is_moving()
             && self.tasks.open().is_empty()
-            && !self.roles.is_under_way()
-            && !self.pacer.is_waiting()
-            && !self.picture.is_fading()
+            && !self.comparing.is_measuring()
     }
 
     /// Names the scene in the window's title, as the system's list of windows shows it.

@@ -88,7 +88,7 @@ fn a_typed_path_is_loaded_and_drawn() {
         harness.query_by_label("4 surfels, 4 drawn").is_some()
     });
     assert!(harness.query_by_label("Nothing on the stage yet").is_none());
-    assert_eq!(harness.state().session.renderer, FALLBACK_ID);
+    assert_eq!(harness.state().session.panes.active.renderer, FALLBACK_ID);
 }
 
 #[test]

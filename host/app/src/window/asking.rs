@@ -1,12 +1,13 @@
 //! When to ask the stage for a picture, and for which.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use pointstage_engine::stage::{FrameRequest, Patience, Role, SettingValues};
+use pointstage_engine::stage::{FrameRequest, Patience, Role, SettingValues, ViewportId};
 use pointstage_plugin_api::abi::{Interaction, Purpose};
-use pointstage_scene::{Camera, Lights, Revision};
+use pointstage_scene::{Camera, Lights, Revision, Scene};
 
-use super::session::{Session, ViewOptions};
+use super::session::{Pane, ViewOptions};
 
 /// Who is to draw, how large, and what for.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,35 +76,41 @@ impl Asking {
     }
 
     /// The request for a picture of this look, which counts as asked for from now on.
-    pub(crate) fn request(&mut self, look: Look, session: &Session) -> FrameRequest {
+    pub(crate) fn request(
+        &mut self,
+        look: Look,
+        scene: &Arc<Scene>,
+        viewport: ViewportId,
+    ) -> FrameRequest {
         self.is_stale = false;
-        let request = look.request(session, std::mem::take(&mut self.pressed));
+        let actions = std::mem::take(&mut self.pressed);
+        let request = FrameRequest {
+            viewport,
+            ..look.request(scene, actions)
+        };
         self.last = Some(look);
         request
     }
 }
 
 impl Look {
-    /// The session as `wish` would have it drawn.
-    pub(crate) fn new(session: &Session, wish: Wish) -> Self {
+    /// A view as `wish` would have it drawn.
+    pub(crate) fn new(scene: &Scene, pane: &Pane, wish: Wish) -> Self {
+        let structure = pane.structure.as_ref();
         Self {
-            scene: session.scene.revision(),
-            camera: session.camera,
-            lights: session.lights.clone(),
-            structure: session.structure.clone(),
-            settings: session.settings_of(&wish.renderer),
-            structure_settings: session
-                .structure
-                .as_ref()
-                .map_or_else(SettingValues::new, |structure| {
-                    session.settings_of(structure)
-                }),
-            view: session.view.clone(),
+            scene: scene.revision(),
+            camera: pane.camera,
+            lights: pane.lights.clone(),
+            structure: pane.structure.clone(),
+            settings: pane.settings_of(&wish.renderer),
+            structure_settings: structure
+                .map_or_else(SettingValues::new, |structure| pane.settings_of(structure)),
+            view: pane.view.clone(),
             wish,
         }
     }
 
-    fn request(&self, session: &Session, actions: Vec<String>) -> FrameRequest {
+    fn request(&self, scene: &Arc<Scene>, actions: Vec<String>) -> FrameRequest {
         let Self {
             lights,
             structure,
@@ -130,7 +137,7 @@ impl Look {
             role: wish.role,
             patience: Patience::DrawMeanwhile,
             ..FrameRequest::still(
-                session.scene.clone(),
+                Arc::clone(scene),
                 self.camera,
                 wish.size_px,
                 &*wish.renderer,
@@ -142,6 +149,7 @@ impl Look {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::session::Session;
 
     fn session() -> Session {
         Session::new("points".into())
@@ -165,9 +173,9 @@ mod tests {
         interaction: Interaction,
         refine: bool,
     ) -> Option<FrameRequest> {
-        let look = Look::new(session, wish(interaction));
+        let look = Look::new(&session.scene, &session.panes.active, wish(interaction));
         let is_due = asking.is_due(&look, refine);
-        is_due.then(|| asking.request(look, session))
+        is_due.then(|| asking.request(look, &session.scene, ViewportId(0)))
     }
 
     #[test]
@@ -177,7 +185,7 @@ mod tests {
             |session: &Session| ask(&mut asking, session, Interaction::STILL, false).is_some();
         assert!(is_asked(&session), "the first look is new");
         assert!(!is_asked(&session), "nothing changed");
-        session.view.exposure = 2.0;
+        session.panes.active.view.exposure = 2.0;
         assert!(is_asked(&session), "the exposure changed");
         session.edit_scene(|_| ());
         assert!(

@@ -35,7 +35,7 @@ fn turn(harness: &mut Harness<'static, App>) {
 }
 
 fn camera(harness: &Harness<'static, App>) -> Camera {
-    harness.state().session.camera
+    harness.state().session.panes.active.camera
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn a_view_that_was_clipped_by_hand_is_so_again() {
     turn(&mut harness);
     assert!(camera(&harness).near < 0.1);
     ask(&mut harness, ViewsIntent::Recall(0));
-    assert_eq!(harness.state().session.near, near);
+    assert_eq!(harness.state().session.panes.active.near, near);
     turn(&mut harness);
     assert_eq!(camera(&harness).near, 1.5);
 }
@@ -139,12 +139,19 @@ fn a_light_that_is_dragged_is_the_first_and_without_one_nothing_happens() {
         right: 0.2,
         up: 0.1,
     };
-    let before = harness.state().session.lights.clone();
+    let before = harness.state().session.panes.active.lights.clone();
     ask(&mut harness, drag.clone());
-    let after = &harness.state().session.lights;
+    let after = &harness.state().session.panes.active.lights;
     assert_ne!(after.lights[0], before.lights[0]);
     assert_eq!(after.lights[1..], before.lights[1..]);
-    harness.state_mut().session.lights.lights.clear();
+    harness
+        .state_mut()
+        .session
+        .panes
+        .active
+        .lights
+        .lights
+        .clear();
     ask(&mut harness, drag);
 }
 
@@ -156,7 +163,7 @@ fn the_window_rests_after_a_flight() {
         &mut harness,
         CameraIntent::Move(CameraMove::Axis(Axis::Right)),
     );
-    let viewport = harness.state().viewport.expect("a pass");
+    let viewport = harness.state().screens.active.viewport.expect("a pass");
     assert_eq!(
         viewport.interaction,
         pointstage_plugin_api::abi::Interaction::STILL

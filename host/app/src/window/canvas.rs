@@ -3,17 +3,25 @@
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Vec2, pos2, vec2};
 use pointstage_engine::stage::Background;
 
+use super::comparison::Zoom;
 use super::picture::Layer;
 
 /// Side of the squares behind a transparent picture, points.
 const CHECKER: f32 = 12.0;
 
 /// Paints the background and over it the layers.
-pub(crate) fn paint(painter: &Painter, rect: Rect, background: Background, layers: &[Layer]) {
+/// `zoom`: the part of them that is seen.
+pub(crate) fn paint(
+    painter: &Painter,
+    rect: Rect,
+    background: Background,
+    layers: &[Layer],
+    zoom: Option<Zoom>,
+) {
     paint_background(painter, rect, background);
     let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
     for layer in layers {
-        let place = place_of(rect, layer.size_px);
+        let place = place_of(zoom.map_or(rect, |zoom| zoom.rect(rect)), layer.size_px);
         let tint = Color32::WHITE.gamma_multiply(layer.opacity);
         painter.image(layer.texture, place, whole, tint);
     }

@@ -4,28 +4,37 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use pointstage_engine::stage::SettingValues;
 use pointstage_plugin_api::settings_schema::SettingSchema;
-use pointstage_scene::{Lights, Material, Object, ObjectId, Projection};
+use pointstage_scene::{Bounds, Lights, Material, Object, ObjectId, Projection};
 
+use super::comparison::Comparison;
 use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
 use super::rows::Rows;
-use super::session::{Session, ViewOptions};
+use super::session::{Pane, Session, ViewOptions};
 
 /// A snapshot of what the user has chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Choices {
+    /// One for each view, in order.
+    panes: Vec<PaneChoices>,
+    comparison: Comparison,
+    presets: Presets,
+    material: Material,
+    pacing: Pacing,
+    objects: BTreeMap<ObjectId, ObjectChoices>,
+}
+
+/// What the user has chosen for one view.
+#[derive(Clone, Debug, PartialEq)]
+struct PaneChoices {
     renderer: String,
     preview: Option<String>,
     structure: Option<String>,
     settings: BTreeMap<String, SettingValues>,
-    presets: Presets,
     active_presets: ActivePresets,
     lights: Lights,
-    material: Material,
     view: ViewOptions,
-    pacing: Pacing,
     lens: Lens,
-    objects: BTreeMap<ObjectId, ObjectChoices>,
 }
 
 /// How the camera projects. The height of an orthographic picture changes with every zoom; that is no choice.
@@ -83,6 +92,10 @@ pub(crate) enum Field {
     Pacing,
     /// Field of view, or the kind of projection.
     Lens,
+    /// How many views there are.
+    Views,
+    /// How views are compared.
+    Comparison,
     /// Which objects are drawn.
     Visibility,
     /// Which objects are selected.
@@ -108,68 +121,33 @@ impl ObjectChoices {
     }
 }
 
-impl Choices {
-    /// What the session holds now.
-    pub(crate) fn of(session: &Session) -> Self {
-        let objects = session.scene.objects().iter();
+impl PaneChoices {
+    fn of(pane: &Pane) -> Self {
         Self {
-            renderer: session.renderer.clone(),
-            preview: session.preview.clone(),
-            structure: session.structure.clone(),
-            settings: without_empty(&session.settings),
-            presets: session.presets.clone(),
-            active_presets: session.active_presets.clone(),
-            lights: session.lights.clone(),
-            material: session.material,
-            view: session.view.clone(),
-            pacing: session.pacing,
-            lens: Lens::of(session.camera.projection),
-            objects: objects
-                .map(|object| (object.id, ObjectChoices::of(object)))
-                .collect(),
+            renderer: pane.renderer.clone(),
+            preview: pane.preview.clone(),
+            structure: pane.structure.clone(),
+            settings: without_empty(&pane.settings),
+            active_presets: pane.active_presets.clone(),
+            lights: pane.lights.clone(),
+            view: pane.view.clone(),
+            lens: Lens::of(pane.camera.projection),
         }
     }
 
-    /// Gives the session these choices. Objects that have come since keep theirs; what has gone stays away.
-    pub(crate) fn restore(&self, session: &mut Session) {
-        session.renderer.clone_from(&self.renderer);
-        session.preview.clone_from(&self.preview);
-        session.structure.clone_from(&self.structure);
-        session.settings.clone_from(&self.settings);
-        session.presets.clone_from(&self.presets);
-        session.active_presets.clone_from(&self.active_presets);
-        session.lights.clone_from(&self.lights);
-        session.material = self.material;
-        session.view.clone_from(&self.view);
-        session.pacing = self.pacing;
-        self.restore_lens(session);
-        let now = session.scene.objects().iter();
-        let changed: Vec<(ObjectId, ObjectChoices)> = now
-            .filter_map(|object| {
-                let then = *self.objects.get(&object.id)?;
-                (then != ObjectChoices::of(object)).then_some((object.id, then))
-            })
-            .collect();
-        if changed.is_empty() {
-            return;
-        }
-        session.edit_scene(|scene| {
-            for (id, then) in changed {
-                scene.edit(id, |object| {
-                    let ObjectChoices {
-                        visible,
-                        selected,
-                        material,
-                    } = then;
-                    (object.visible, object.selected) = (visible, selected);
-                    object.material = material;
-                });
-            }
-        });
+    fn restore(&self, pane: &mut Pane, bounds: &Bounds) {
+        pane.renderer.clone_from(&self.renderer);
+        pane.preview.clone_from(&self.preview);
+        pane.structure.clone_from(&self.structure);
+        pane.settings.clone_from(&self.settings);
+        pane.active_presets.clone_from(&self.active_presets);
+        pane.lights.clone_from(&self.lights);
+        pane.view.clone_from(&self.view);
+        self.restore_lens(pane, bounds);
     }
 
-    fn restore_lens(&self, session: &mut Session) {
-        let camera = &mut session.camera;
+    fn restore_lens(&self, pane: &mut Pane, bounds: &Bounds) {
+        let camera = &mut pane.camera;
         match (self.lens, camera.projection) {
             (Lens::Perspective { fov_y_rad }, Projection::Perspective { .. }) => {
                 camera.projection = Projection::Perspective { fov_y_rad };
@@ -181,22 +159,12 @@ impl Choices {
                 *camera = camera.with_projection_switched(fov_y_rad);
             }
         }
-        let bounds = session.scene.bounds_world();
-        camera.fit_depth(&bounds);
+        camera.fit_depth(bounds);
     }
 
-    /// What is not as it was in `before`, in order. Objects count that both have: files that came or went are no choice.
-    pub(crate) fn differences(&self, before: &Self) -> Vec<Field> {
-        let mut fields = Vec::new();
-        let mut note = |differs: bool, field: Field| {
-            if differs {
-                fields.push(field);
-            }
-        };
-        for owner in owners_of(&self.presets, &before.presets)
-            .chain(owners_of(&self.active_presets, &before.active_presets))
-            .collect::<BTreeSet<_>>()
-        {
+    /// Notes what is not as it was in `before`.
+    fn note_differences(&self, before: &Self, note: &mut impl FnMut(bool, Field)) {
+        for owner in owners_of(&self.active_presets, &before.active_presets) {
             note(true, Field::Presets(owner));
         }
         note(self.renderer != before.renderer, Field::Renderer);
@@ -222,6 +190,101 @@ impl Choices {
         } else {
             note(true, Field::LightCount);
         }
+        let (view, old) = (&self.view, &before.view);
+        note(view.show != old.show, Field::Show);
+        note(view.background != old.background, Field::Background);
+        note(view.exposure != old.exposure, Field::Exposure);
+        note(view.radius_scale != old.radius_scale, Field::RadiusScale);
+        note(self.lens != before.lens, Field::Lens);
+    }
+
+    /// Whether these are the view's choices.
+    fn are_of(&self, pane: &Pane) -> bool {
+        self.renderer == pane.renderer
+            && self.preview == pane.preview
+            && self.structure == pane.structure
+            && same_values(&self.settings, &pane.settings)
+            && self.active_presets == pane.active_presets
+            && self.lights == pane.lights
+            && self.view == pane.view
+            && self.lens == Lens::of(pane.camera.projection)
+    }
+}
+
+impl Choices {
+    /// What the session holds now.
+    pub(crate) fn of(session: &Session) -> Self {
+        let objects = session.scene.objects().iter();
+        Self {
+            panes: session.panes.iter().map(PaneChoices::of).collect(),
+            comparison: session.comparison.clone(),
+            presets: session.presets.clone(),
+            material: session.material,
+            pacing: session.pacing,
+            objects: objects
+                .map(|object| (object.id, ObjectChoices::of(object)))
+                .collect(),
+        }
+    }
+
+    /// Gives the session these choices, and as many views as it had with them. Objects that have come since keep theirs;
+    /// what has gone stays away.
+    pub(crate) fn restore(&self, session: &mut Session) {
+        while session.panes.count() < self.panes.len() {
+            let pane = session.panes.active.clone();
+            session.panes.push(pane);
+        }
+        session.panes.truncate(self.panes.len());
+        let bounds = session.scene.bounds_world();
+        for (pane, choices) in session.panes.iter_mut().zip(&self.panes) {
+            choices.restore(pane, &bounds);
+        }
+        session.comparison.clone_from(&self.comparison);
+        session.presets.clone_from(&self.presets);
+        session.material = self.material;
+        session.pacing = self.pacing;
+        let now = session.scene.objects().iter();
+        let changed: Vec<(ObjectId, ObjectChoices)> = now
+            .filter_map(|object| {
+                let then = *self.objects.get(&object.id)?;
+                (then != ObjectChoices::of(object)).then_some((object.id, then))
+            })
+            .collect();
+        if changed.is_empty() {
+            return;
+        }
+        session.edit_scene(|scene| {
+            for (id, then) in changed {
+                scene.edit(id, |object| {
+                    let ObjectChoices {
+                        visible,
+                        selected,
+                        material,
+                    } = then;
+                    (object.visible, object.selected) = (visible, selected);
+                    object.material = material;
+                });
+            }
+        });
+    }
+
+    /// What is not as it was in `before`, in order, each once whichever views it is of. Objects count that both have: files
+    /// that came or went are no choice.
+    pub(crate) fn differences(&self, before: &Self) -> Vec<Field> {
+        let mut fields = Vec::new();
+        let mut note = |differs: bool, field: Field| {
+            if differs && !fields.contains(&field) {
+                fields.push(field);
+            }
+        };
+        for owner in owners_of(&self.presets, &before.presets) {
+            note(true, Field::Presets(owner));
+        }
+        note(self.panes.len() != before.panes.len(), Field::Views);
+        for (pane, old) in self.panes.iter().zip(&before.panes) {
+            pane.note_differences(old, &mut note);
+        }
+        note(self.comparison != before.comparison, Field::Comparison);
         let both = || {
             let now = self.objects.iter();
             now.filter_map(|(id, object)| Some((object, before.objects.get(id)?)))
@@ -231,13 +294,7 @@ impl Choices {
                 || both().any(|(now, then)| now.material != then.material),
             Field::Material,
         );
-        let (view, old) = (&self.view, &before.view);
-        note(view.show != old.show, Field::Show);
-        note(view.background != old.background, Field::Background);
-        note(view.exposure != old.exposure, Field::Exposure);
-        note(view.radius_scale != old.radius_scale, Field::RadiusScale);
         note(self.pacing != before.pacing, Field::Pacing);
-        note(self.lens != before.lens, Field::Lens);
         note(
             both().any(|(now, then)| now.visible != then.visible),
             Field::Visibility,
@@ -252,17 +309,13 @@ impl Choices {
     /// Whether these are the session's choices. Cheap: it is asked every pass.
     pub(crate) fn are_of(&self, session: &Session) -> bool {
         let objects = session.scene.objects();
-        self.renderer == session.renderer
-            && self.preview == session.preview
-            && self.structure == session.structure
-            && same_values(&self.settings, &session.settings)
+        let panes = session.panes.iter().zip(&self.panes);
+        self.panes.len() == session.panes.count()
+            && panes.into_iter().all(|(pane, then)| then.are_of(pane))
+            && self.comparison == session.comparison
             && self.presets == session.presets
-            && self.active_presets == session.active_presets
-            && self.lights == session.lights
             && self.material == session.material
-            && self.view == session.view
             && self.pacing == session.pacing
-            && self.lens == Lens::of(session.camera.projection)
             && self.objects.len() == objects.len()
             && objects.iter().all(|object| {
                 let then = self.objects.get(&object.id);
@@ -272,7 +325,7 @@ impl Choices {
 
     /// Whether no renderer has been chosen yet: the window has just opened.
     pub(crate) fn is_without_renderer(&self) -> bool {
-        self.renderer.is_empty()
+        self.panes.iter().all(|pane| pane.renderer.is_empty())
     }
 }
 
@@ -351,6 +404,8 @@ fn name_of(field: &Field, rows: &Rows) -> String {
         Field::RadiusScale => "Radius scale",
         Field::Pacing => "Rate",
         Field::Lens => "Projection",
+        Field::Views => "Views",
+        Field::Comparison => "Comparison",
         Field::Visibility => "Visibility",
         Field::Selection => "Selection",
     };

@@ -79,10 +79,11 @@ fn ask_system(asked: &Asked) -> Vec<PathBuf> {
             .set_title("Open surfels, a mesh or a session")
             .add_filter(
                 "What Pointstage opens",
-                &["ply", "PLY", "toml", "png", "exr"],
+                &["ply", "PLY", "toml", "png", "exr", "json"],
             )
             .add_filter("Surfels and meshes", &["ply", "PLY"])
             .add_filter("Sessions", &["toml", "png", "exr"])
+            .add_filter("Sweeps", &["json"])
             .add_filter("All files", &["*"])
             .pick_files()
             .unwrap_or_default(),

@@ -32,7 +32,12 @@ fn session() -> Session {
 }
 
 fn set(session: &mut Session, id: &str, value: f64) {
-    let values = session.settings.entry(OWNER.into()).or_default();
+    let values = session
+        .panes
+        .active
+        .settings
+        .entry(OWNER.into())
+        .or_default();
     values.insert(id.into(), SettingValue::Float(value));
 }
 
@@ -118,9 +123,9 @@ fn the_same_thing_soon_again_is_the_same_step_and_another_thing_is_not() {
 fn there_and_back_again_in_one_gesture_is_no_step() {
     let mut desk = Desk::new(session());
     desk.is_held = true;
-    desk.session.view.exposure = 2.0;
+    desk.session.panes.active.view.exposure = 2.0;
     desk.pass(SOON);
-    desk.session.view.exposure = 1.0;
+    desk.session.panes.active.view.exposure = 1.0;
     desk.pass(SOON);
     assert_eq!(desk.history.next_undo(), None);
 }
@@ -129,11 +134,11 @@ fn there_and_back_again_in_one_gesture_is_no_step() {
 fn a_new_change_forgets_what_was_taken_back() {
     let mut desk = Desk::new(session());
     desk.set("size", 2.0, LATER);
-    desk.session.view.exposure = 2.0;
+    desk.session.panes.active.view.exposure = 2.0;
     desk.pass(LATER);
     assert_eq!(desk.undo().as_deref(), Some("Exposure"));
     assert_eq!(desk.history.next_redo(), Some("Exposure"));
-    desk.session.view.show = Show::Target("depth".into());
+    desk.session.panes.active.view.show = Show::Target("depth".into());
     desk.pass(LATER);
     assert_eq!(desk.redo(), None);
     assert_eq!(desk.history.next_undo(), Some("What is shown"));
@@ -142,11 +147,11 @@ fn a_new_change_forgets_what_was_taken_back() {
 #[test]
 fn files_and_the_first_renderer_are_no_steps() {
     let mut desk = Desk::new(Session::new(String::new()));
-    desk.session.renderer = OWNER.into();
+    desk.session.panes.active.renderer = OWNER.into();
     desk.pass(LATER);
     desk.session.edit_scene(|scene| scene.add(object("c")));
     desk.pass(LATER);
-    desk.session.camera.eye.x += 1.0;
+    desk.session.panes.active.camera.eye.x += 1.0;
     desk.pass(LATER);
     assert_eq!(desk.steps(), 0);
 }
@@ -154,7 +159,7 @@ fn files_and_the_first_renderer_are_no_steps() {
 #[test]
 fn an_object_that_came_since_keeps_its_looks() {
     let mut desk = Desk::new(session());
-    desk.session.view.exposure = 2.0;
+    desk.session.panes.active.view.exposure = 2.0;
     desk.pass(LATER);
     let mut new = object("new");
     new.selected = true;
@@ -163,7 +168,7 @@ fn an_object_that_came_since_keeps_its_looks() {
     desk.undo();
     let objects = desk.session.scene.objects();
     assert!(objects.len() == 3 && objects[2].selected);
-    assert_eq!(desk.session.view.exposure, 1.0);
+    assert_eq!(desk.session.panes.active.view.exposure, 1.0);
 }
 
 #[test]
@@ -239,35 +244,39 @@ fn edit() -> impl Strategy<Value = Edit> {
 }
 
 fn carry_out(edit: &Edit, session: &mut Session) {
-    let owner = session.renderer.clone();
+    let owner = session.panes.active.renderer.clone();
     match *edit {
-        Edit::Renderer(number) => session.renderer = format!("r{number}"),
-        Edit::Preview(number) => session.preview = number.map(|number| format!("r{number}")),
-        Edit::Structure(is_some) => session.structure = is_some.then(|| "s".to_owned()),
+        Edit::Renderer(number) => session.panes.active.renderer = format!("r{number}"),
+        Edit::Preview(number) => {
+            session.panes.active.preview = number.map(|number| format!("r{number}"))
+        }
+        Edit::Structure(is_some) => {
+            session.panes.active.structure = is_some.then(|| "s".to_owned())
+        }
         Edit::Set(id, value) => {
-            let values = session.settings.entry(owner).or_default();
+            let values = session.panes.active.settings.entry(owner).or_default();
             values.insert(format!("s{id}"), SettingValue::Int(value.into()));
         }
-        Edit::ResetAll => drop(session.settings.remove(&owner)),
+        Edit::ResetAll => drop(session.panes.active.settings.remove(&owner)),
         Edit::Save(name) => presets::save(session, &owner, &format!("p{name}")).expect("a name"),
         Edit::Delete(name) => presets::delete(session, &owner, &format!("p{name}")),
         Edit::Choose(name) => drop(presets::choose(session, &owner, &format!("p{name}"), &[])),
-        Edit::Ambient(value) => session.lights.ambient.x = f32::from(value),
-        Edit::Headlight(enabled) => session.lights.headlight.enabled = enabled,
+        Edit::Ambient(value) => session.panes.active.lights.ambient.x = f32::from(value),
+        Edit::Headlight(enabled) => session.panes.active.lights.headlight.enabled = enabled,
         Edit::AddLight => {
-            let light = session.lights.headlight.as_light();
-            session.lights.lights.push(light);
+            let light = session.panes.active.lights.headlight.as_light();
+            session.panes.active.lights.lights.push(light);
         }
-        Edit::RemoveLight => drop(session.lights.lights.pop()),
+        Edit::RemoveLight => drop(session.panes.active.lights.lights.pop()),
         Edit::SwitchLight(enabled) => {
-            if let Some(light) = session.lights.lights.first_mut() {
+            if let Some(light) = session.panes.active.lights.lights.first_mut() {
                 light.enabled = enabled;
             }
         }
         Edit::Shininess(value) => session.material.shininess = f32::from(value),
-        Edit::Exposure(value) => session.view.exposure = f32::from(value),
+        Edit::Exposure(value) => session.panes.active.view.exposure = f32::from(value),
         Edit::Show(is_depth) => {
-            session.view.show = if is_depth {
+            session.panes.active.view.show = if is_depth {
                 Show::Target("depth".into())
             } else {
                 Show::Colours
@@ -275,11 +284,13 @@ fn carry_out(edit: &Edit, session: &mut Session) {
         }
         Edit::Fov(degrees) => {
             use pointstage_scene::Projection::Perspective;
-            if let Perspective { fov_y_rad } = &mut session.camera.projection {
+            if let Perspective { fov_y_rad } = &mut session.panes.active.camera.projection {
                 *fov_y_rad = f64::from(degrees).to_radians();
             }
         }
-        Edit::Project => session.camera = session.camera.with_projection_switched(0.5),
+        Edit::Project => {
+            session.panes.active.camera = session.panes.active.camera.with_projection_switched(0.5)
+        }
         Edit::Visible(index, on) => {
             let id = session.scene.objects()[index].id;
             session.edit_scene(|scene| scene.edit(id, |object| object.visible = on));

@@ -3,21 +3,22 @@
 use std::time::Instant;
 
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
-use pointstage_engine::stage::{Background, SettingValues, Show};
+use pointstage_engine::stage::{SettingValues, Show};
 
 use super::actions::Action;
 use super::app::App;
+use super::comparison::{Way, difference_legend};
 use super::facts::facts_at;
-use super::gizmo::{Gizmo, gizmo_ui};
+use super::gizmo::Gizmo;
 use super::inspector::{self, pixel_at};
 use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
 use super::save_image::{SaveFacts, SaveImage};
-use super::settings::{self, camera, lighting, plugins, renderer, scene, view};
+use super::settings::{self, camera, compare, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
-use super::viewport::{Clicks, Viewport, ViewportAnswer, viewport_ui};
+use super::viewport::{Clicks, ViewportAnswer};
 use super::{help, legend, presets, progress, theme, toasts, welcome};
 
 impl App {
@@ -46,42 +47,21 @@ impl App {
                 .min_size(240.0)
                 .show(ui, |ui| self.settings_ui(ui, out));
         }
-        let layers = self.picture.layers(Instant::now());
-        let viewport = Viewport {
-            layers: &layers,
-            background: self.shown_background(),
-            navigation: &self.session.navigation,
-            is_moving: self.navigator.is_moving(),
-        };
-        let answer = CentralPanel::default()
+        CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| {
-                let answer = viewport_ui(ui, &viewport, out);
-                if self.session.navigation.gizmo {
-                    gizmo_ui(ui, answer.rect, &self.gizmo(), out);
-                }
-                answer
-            })
-            .inner;
-        self.viewport = Some(answer);
+            .show(ui, |ui| self.views_ui(ui, out));
+        let Some(answer) = self.screens.active.viewport else {
+            return;
+        };
         self.inspect_ui(ui.ctx(), answer, out);
         self.show_over(ui.ctx(), answer.rect, actions, out);
     }
 
-    fn gizmo(&self) -> Gizmo<'_> {
+    pub(super) fn gizmo(&self) -> Gizmo<'_> {
         Gizmo {
-            camera: &self.session.camera,
-            lights: &self.session.lights,
+            camera: &self.session.panes.active.camera,
+            lights: &self.session.panes.active.lights,
             up: self.navigator.level_axis(),
-        }
-    }
-
-    /// What shows where the picture does not reach or is see-through.
-    fn shown_background(&self) -> Background {
-        if self.picture.is_transparent() {
-            Background::Transparent
-        } else {
-            self.session.view.background
         }
     }
 
@@ -102,18 +82,32 @@ impl App {
             };
             welcome::welcome_ui(ctx, over, &welcome, out);
         }
-        if self.session.view.show != Show::Colours
+        let is_difference = matches!(self.session.comparison.way, Way::Difference(_))
+            && self.session.panes.count() > 1;
+        if self.session.panes.active.view.show != Show::Colours
+            && !is_difference
             && !is_empty
-            && let Some(range) = self.shown.as_ref().map(|shown| shown.shown_range)
-            && let Some(legend) = legend_of(&self.session.view.show, range)
+            && let Some(range) = self
+                .screens
+                .active
+                .shown
+                .as_ref()
+                .map(|shown| shown.shown_range)
+            && let Some(legend) = legend_of(&self.session.panes.active.view.show, range)
         {
             legend::legend_ui(ctx, over, &legend);
         }
+        if let Some(legend) = difference_legend(self.session.comparison.way)
+            .filter(|_| self.session.panes.count() > 1)
+        {
+            legend::legend_ui(ctx, over, &legend);
+        }
+        self.compare_panels_ui(ctx, over, out);
         let rows = self.long_work();
         progress::progress_ui(ctx, over, &rows, out);
         toasts::toasts_ui(ctx, over, &self.log, out);
         welcome::drop_ui(ctx, over);
-        let renderer = self.rows.renderer(&self.session.renderer);
+        let renderer = self.rows.renderer(&self.session.panes.active.renderer);
         self.palette.ui(ctx, actions, renderer, out);
         if self.panels.keys {
             help::keys_ui(ctx, actions, out);
@@ -124,9 +118,13 @@ impl App {
         if let Some(dialog) = &mut self.save_image {
             let facts = SaveFacts {
                 view_px: self
+                    .screens
+                    .active
                     .viewport
                     .map_or([1280, 720], |viewport| viewport.size_px),
                 targets: self
+                    .screens
+                    .active
                     .shown
                     .as_ref()
                     .map_or(&[], |shown| shown.available_targets.as_slice()),
@@ -140,15 +138,24 @@ impl App {
         {
             self.path_field = None;
         }
-        theme::focus_frame_ui(ctx, self.viewport.map(|viewport| viewport.id));
+        theme::focus_frame_ui(
+            ctx,
+            self.screens.active.viewport.map(|viewport| viewport.id),
+        );
     }
 
     /// What is under the pointer, and what a click asks about it.
     fn inspect_ui(&mut self, ctx: &Context, answer: ViewportAnswer, out: &mut Intents) {
-        let Some(shown) = self.shown.clone() else {
+        let Some(shown) = self.screens.active.shown.clone() else {
             return;
         };
-        let pixel = |at| pixel_at(at, answer.rect, answer.size_px, &shown);
+        let pixel = |at| {
+            let rect = self
+                .comparing
+                .zoom
+                .map_or(answer.rect, |zoom| zoom.rect(answer.rect));
+            pixel_at(at, rect, answer.size_px, &shown)
+        };
         if let Some((at, clicks)) = answer.clicked_at
             && let Some(pixel) = pixel(at)
         {
@@ -173,6 +180,8 @@ impl App {
     /// What runs or waits.
     fn long_work(&mut self) -> Vec<progress::Row> {
         let preparing = self
+            .screens
+            .active
             .shown
             .as_ref()
             .and_then(|shown| shown.preparing.as_ref());
@@ -185,7 +194,7 @@ impl App {
     fn numbers(&mut self) -> Numbers {
         let now = Instant::now();
         Numbers {
-            frames: self.frame_times.summary(now),
+            frames: self.screens.active.frame_times.summary(now),
             resident_bytes: self.memory.resident_bytes(now),
         }
     }
@@ -196,7 +205,7 @@ impl App {
         no_device: Option<&'a str>,
         numbers: Numbers,
     ) -> Status<'a> {
-        let shown = self.shown.as_deref();
+        let shown = self.screens.active.shown.as_deref();
         let drawn_by = shown.map(|shown| {
             let row = self.rows.renderer(&shown.drawn_by);
             row.map_or(shown.drawn_by.as_str(), |row| row.title.as_str())
@@ -204,8 +213,9 @@ impl App {
         Status {
             stats: shown.map(|shown| &shown.stats),
             numbers,
-            hand_over: self.roles.hand_over(),
-            preview_held: self.roles.is_held() && self.session.preview.is_some(),
+            hand_over: self.screens.active.roles.hand_over(),
+            preview_held: self.screens.active.roles.is_held()
+                && self.session.panes.active.preview.is_some(),
             drawn_by,
             preparing: shown.and_then(|shown| shown.preparing.as_ref()),
             refining: shown
@@ -224,38 +234,48 @@ impl App {
         settings::tabs_ui(ui, self.panels.tab, out);
         match self.panels.tab {
             Tab::Renderer => {
-                let structure = session.structure.as_deref();
+                let structure = session.panes.active.structure.as_deref();
                 let tab = renderer::RendererTab {
                     rows: &self.rows,
-                    chosen: &session.renderer,
-                    preview: session.preview.as_deref(),
-                    chosen_structure: session.structure.as_deref(),
-                    drawn_by: self.shown.as_ref().map(|shown| shown.drawn_by.as_str()),
+                    chosen: &session.panes.active.renderer,
+                    preview: session.panes.active.preview.as_deref(),
+                    chosen_structure: session.panes.active.structure.as_deref(),
+                    drawn_by: self
+                        .screens
+                        .active
+                        .shown
+                        .as_ref()
+                        .map(|shown| shown.drawn_by.as_str()),
                     values: &session.chosen_settings(),
                     structure_values: &structure
                         .map_or_else(SettingValues::new, |id| session.settings_of(id)),
-                    presets: &presets::list(session, &session.renderer),
+                    presets: &presets::list(session, &session.panes.active.renderer),
                     focus: focus.as_deref(),
                 };
                 renderer::renderer_ui(ui, &tab, out);
             }
             Tab::Lighting => {
                 let tab = lighting::LightingTab {
-                    lights: &session.lights,
+                    lights: &session.panes.active.lights,
                     scene: &session.scene,
                     material: session.material,
                 };
                 lighting::lighting_ui(ui, &tab, out);
             }
             Tab::View => {
-                let range = self.shown.as_ref().and_then(|shown| shown.shown_range);
-                let legend = legend_of(&session.view.show, range);
+                let range = self
+                    .screens
+                    .active
+                    .shown
+                    .as_ref()
+                    .and_then(|shown| shown.shown_range);
+                let legend = legend_of(&session.panes.active.view.show, range);
                 let tab = view::ViewTab {
-                    view: &session.view,
+                    view: &session.panes.active.view,
                     pacing: session.pacing,
                     camera: camera::CameraTab {
-                        camera: &session.camera,
-                        near: session.near,
+                        camera: &session.panes.active.camera,
+                        near: session.panes.active.near,
                         bounds: session.scene.bounds_world(),
                         options: &session.navigation,
                     },
@@ -264,6 +284,16 @@ impl App {
                     legend: legend.as_ref(),
                 };
                 view::view_ui(ui, &tab, out);
+            }
+            Tab::Compare => {
+                let tab = compare::CompareTab {
+                    comparison: &session.comparison,
+                    count: session.panes.count(),
+                    active: session.panes.active_index(),
+                    panels: self.comparing.panels,
+                    is_zoomed: self.comparing.zoom.is_some(),
+                };
+                compare::compare_ui(ui, &tab, out);
             }
             Tab::Scene => scene::scene_ui(ui, &session.scene, &session.warnings, out),
             Tab::Plugins => {
@@ -278,7 +308,7 @@ impl App {
 
     /// Targets that the renderer of the picture writes.
     pub(super) fn targets(&self) -> &[String] {
-        let shown = self.shown.as_ref();
+        let shown = self.screens.active.shown.as_ref();
         shown.map_or(&[], |shown| shown.available_targets.as_slice())
     }
 }

@@ -31,6 +31,8 @@ struct Plate {
     texture: TextureHandle,
     size_px: [u32; 2],
     is_transparent: bool,
+    /// Its pixels are shown as squares.
+    is_zoomed: bool,
 }
 
 /// A picture to paint, over those before it.
@@ -45,12 +47,13 @@ pub(crate) struct Layer {
 }
 
 impl PictureTexture {
-    /// Uploads a picture, in place of the one before or over it.
+    /// Uploads a picture, in place of the one before or over it. `is_zoomed`: its pixels are shown as squares.
     pub(crate) fn set(
         &mut self,
         ctx: &Context,
         picture: &Picture,
         transition: Transition,
+        is_zoomed: bool,
         now: Instant,
     ) {
         if transition == Transition::CrossFade && self.front.is_some() {
@@ -65,8 +68,13 @@ impl PictureTexture {
         } else {
             ColorImage::from_rgba_premultiplied(size, &picture.rgba)
         };
-        // A picture of another size than the viewport is shown while the next is drawn: smooth, not in blocks.
-        let options = TextureOptions::LINEAR;
+        // A picture of another size than the viewport is shown while the next is drawn: smooth, not in blocks. Zoomed in, the
+        // pixels themselves are looked at.
+        let options = if is_zoomed {
+            TextureOptions::NEAREST
+        } else {
+            TextureOptions::LINEAR
+        };
         let texture = match self.front.take() {
             Some(Plate { mut texture, .. }) => {
                 texture.set(image, options);
@@ -78,7 +86,18 @@ impl PictureTexture {
             texture,
             size_px: picture.size_px,
             is_transparent,
+            is_zoomed,
         });
+    }
+
+    /// Shows the pixels of `picture`, which is the present one, as squares or smooth.
+    pub(crate) fn match_zoom(&mut self, ctx: &Context, picture: &Picture, is_zoomed: bool) {
+        let front = self.front.as_ref();
+        if front.is_some_and(|front| front.is_zoomed != is_zoomed) {
+            let fade_start = self.fade_start;
+            self.set(ctx, picture, Transition::Cut, is_zoomed, Instant::now());
+            self.fade_start = fade_start;
+        }
     }
 
     /// What to paint, from back to front. A fade that has ended is forgotten.

@@ -68,7 +68,7 @@ pub(crate) fn list(session: &Session, owner: &str) -> PresetList {
     let none = BTreeMap::new();
     let named = session.presets.get(owner).unwrap_or(&none);
     let values = session.settings_of(owner);
-    let chosen = session.active_presets.get(owner);
+    let chosen = session.panes.active.active_presets.get(owner);
     let chosen = chosen.filter(|name| named.contains_key(*name));
     // After a start nobody has chosen one yet; the values may still be those of one.
     let same = || named.iter().find(|(_, preset)| **preset == values);
@@ -96,7 +96,11 @@ pub(crate) fn save(session: &mut Session, owner: &str, name: &str) -> Result<(),
     let values = session.settings_of(owner);
     let named = session.presets.entry(owner.to_owned()).or_default();
     named.insert(name.clone(), values);
-    session.active_presets.insert(owner.to_owned(), name);
+    session
+        .panes
+        .active
+        .active_presets
+        .insert(owner.to_owned(), name);
     Ok(())
 }
 
@@ -111,13 +115,22 @@ pub(crate) fn choose(
 ) -> Vec<String> {
     let named = session.presets.get(owner);
     let Some(preset) = named.and_then(|named| named.get(name)) else {
-        session.settings.remove(owner);
-        session.active_presets.remove(owner);
+        session.panes.active.settings.remove(owner);
+        session.panes.active.active_presets.remove(owner);
         return Vec::new();
     };
     let fitted = fit(preset, schema);
-    session.settings.insert(owner.to_owned(), fitted.values);
-    let active = session.active_presets.entry(owner.to_owned()).or_default();
+    session
+        .panes
+        .active
+        .settings
+        .insert(owner.to_owned(), fitted.values);
+    let active = session
+        .panes
+        .active
+        .active_presets
+        .entry(owner.to_owned())
+        .or_default();
     name.clone_into(active);
     fitted.refused
 }
@@ -146,7 +159,7 @@ pub(crate) fn rename(
         return Ok(());
     };
     named.insert(to.clone(), values);
-    let active = session.active_presets.get_mut(owner);
+    let active = session.panes.active.active_presets.get_mut(owner);
     if let Some(active) = active.filter(|active| **active == *name) {
         *active = to;
     }
@@ -161,9 +174,9 @@ pub(crate) fn delete(session: &mut Session, owner: &str, name: &str) {
             session.presets.remove(owner);
         }
     }
-    let active = session.active_presets.get(owner);
+    let active = session.panes.active.active_presets.get(owner);
     if active.is_some_and(|active| active == name) {
-        session.active_presets.remove(owner);
+        session.panes.active.active_presets.remove(owner);
     }
 }
 

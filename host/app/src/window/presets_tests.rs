@@ -19,7 +19,11 @@ fn schema(settings: &str) -> Vec<SettingSchema> {
 
 fn session(values: SettingValues) -> Session {
     let mut session = Session::new(OWNER.to_owned());
-    session.settings.insert(OWNER.to_owned(), values);
+    session
+        .panes
+        .active
+        .settings
+        .insert(OWNER.to_owned(), values);
     session
 }
 
@@ -35,7 +39,11 @@ fn a_saved_preset_is_active_until_values_differ_from_it() {
     assert_eq!(active(&session), (DEFAULTS.into(), true));
     save(&mut session, OWNER, " Soft ").expect("a name");
     assert_eq!(active(&session), ("Soft".into(), false));
-    session.settings.insert(OWNER.into(), values(3.0));
+    session
+        .panes
+        .active
+        .settings
+        .insert(OWNER.into(), values(3.0));
     assert_eq!(active(&session), ("Soft".into(), true));
     save(&mut session, OWNER, "Soft").expect("a name");
     assert_eq!(active(&session), ("Soft".into(), false), "overwritten");
@@ -50,6 +58,8 @@ fn a_chosen_preset_brings_what_the_schema_still_takes() {
     let mut session = session(values(2.0));
     let old = [("gone".to_owned(), SettingValue::Bool(true))];
     session
+        .panes
+        .active
         .settings
         .entry(OWNER.into())
         .or_default()
@@ -67,7 +77,7 @@ fn a_chosen_preset_brings_what_the_schema_still_takes() {
 fn after_a_start_the_preset_with_the_present_values_is_active() {
     let mut session = session(values(2.0));
     save(&mut session, OWNER, "Soft").expect("a name");
-    session.active_presets.clear();
+    session.panes.active.active_presets.clear();
     assert_eq!(active(&session), ("Soft".into(), false));
 }
 
@@ -85,7 +95,11 @@ fn names_that_are_none_are_refused_with_the_reason() {
 fn a_renamed_preset_stays_active_and_takes_no_other_away() {
     let mut session = session(values(1.0));
     save(&mut session, OWNER, "a").expect("a name");
-    session.settings.insert(OWNER.into(), values(2.0));
+    session
+        .panes
+        .active
+        .settings
+        .insert(OWNER.into(), values(2.0));
     save(&mut session, OWNER, "b").expect("a name");
     assert_eq!(
         rename(&mut session, OWNER, "b", "a"),

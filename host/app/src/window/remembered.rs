@@ -139,15 +139,15 @@ impl App {
         self.panels.inspector = window.inspector;
         self.panels.tab = tab_from_key(&window.tab);
         let session = &mut self.session;
-        session.renderer = renderers.main.unwrap_or_default();
-        session.preview = renderers.preview;
-        session.structure = renderers.structure;
-        session.view = look.into();
-        session.lights = lights;
+        session.panes.active.renderer = renderers.main.unwrap_or_default();
+        session.panes.active.preview = renderers.preview;
+        session.panes.active.structure = renderers.structure;
+        session.panes.active.view = look.into();
+        session.panes.active.lights = lights;
         session.material = material;
-        session.settings = settings;
+        session.panes.active.settings = settings;
         session.presets = presets;
-        session.active_presets = active_presets;
+        session.panes.active.active_presets = active_presets;
         session.navigation = navigation;
         session.pacing = pacing.into();
         session.views = stored_views(views);
@@ -207,7 +207,8 @@ impl App {
             remembered,
             ..
         } = self;
-        let main = (!session.renderer.is_empty()).then(|| session.renderer.clone());
+        let main = (!session.panes.active.renderer.is_empty())
+            .then(|| session.panes.active.renderer.clone());
         Preferences {
             theme: remembered.appearance.0,
             text_scale: remembered.appearance.1,
@@ -222,15 +223,15 @@ impl App {
             renderers: Renderers {
                 // Before plugins are known, none is chosen: what was remembered stays.
                 main: main.or_else(|| remembered.keeper.preferences().renderers.main.clone()),
-                preview: session.preview.clone(),
-                structure: session.structure.clone(),
+                preview: session.panes.active.preview.clone(),
+                structure: session.panes.active.structure.clone(),
             },
-            look: Look::from(&session.view),
-            lights: session.lights.clone(),
+            look: Look::from(&session.panes.active.view),
+            lights: session.panes.active.lights.clone(),
             material: session.material,
-            settings: session.settings.clone(),
+            settings: session.panes.active.settings.clone(),
             presets: session.presets.clone(),
-            active_presets: session.active_presets.clone(),
+            active_presets: session.panes.active.active_presets.clone(),
             navigation: session.navigation,
             pacing: session.pacing.into(),
             views: views_to_store(&session.views),
@@ -270,10 +271,11 @@ fn theme_preference(theme: Theme) -> ThemePreference {
 }
 
 /// The tabs' words in the settings file.
-const TABS: [(Tab, &str); 5] = [
+const TABS: [(Tab, &str); 6] = [
     (Tab::Renderer, "renderer"),
     (Tab::Lighting, "lighting"),
     (Tab::View, "view"),
+    (Tab::Compare, "compare"),
     (Tab::Scene, "scene"),
     (Tab::Plugins, "plugins"),
 ];

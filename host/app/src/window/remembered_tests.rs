@@ -101,15 +101,19 @@ fn a_saved_session_gives_back_all_that_it_was_saved_with() {
             object.world_from_object = DAffine3::from_translation(DVec3::new(1e6, 0.1, -0.0));
         })
     });
-    session.camera.eye = DVec3::new(0.1, 0.2, 0.3);
-    session.view.background = Background::Solid([0.1, 0.2, 0.3]);
-    session.lights.lights.truncate(1);
-    session.views.slots[3] = Some(ViewRecord::new(session.camera, 8, 6));
-    let values = session.settings.entry("org.example.gone".to_owned());
+    session.panes.active.camera.eye = DVec3::new(0.1, 0.2, 0.3);
+    session.panes.active.view.background = Background::Solid([0.1, 0.2, 0.3]);
+    session.panes.active.lights.lights.truncate(1);
+    session.views.slots[3] = Some(ViewRecord::new(session.panes.active.camera, 8, 6));
+    let values = session
+        .panes
+        .active
+        .settings
+        .entry("org.example.gone".to_owned());
     values
         .or_default()
         .insert("size".to_owned(), SettingValue::Float(3.0));
-    session.preview = Some("org.example.gone".to_owned());
+    session.panes.active.preview = Some("org.example.gone".to_owned());
     let saved = window.state().session.clone();
     let path = folder.join("a.pointstage.toml");
     save(&mut window, &path);
@@ -122,8 +126,8 @@ fn a_saved_session_gives_back_all_that_it_was_saved_with() {
         state.remembered.session_path, None,
         "another scan is another session"
     );
-    state.session.settings.clear();
-    state.session.preview = None;
+    state.session.panes.active.settings.clear();
+    state.session.panes.active.preview = None;
     open(&mut window, &path);
     let now = &window.state().session;
     assert_eq!(names(&window), ["Büste"]);
@@ -132,14 +136,20 @@ fn a_saved_session_gives_back_all_that_it_was_saved_with() {
         (object.visible, object.material, object.world_from_object),
         (before.visible, before.material, before.world_from_object)
     );
-    assert_eq!(now.camera, saved.camera, "opening frames nothing");
-    assert_eq!((&now.view, &now.lights), (&saved.view, &saved.lights));
+    assert_eq!(
+        now.panes.active.camera, saved.panes.active.camera,
+        "opening frames nothing"
+    );
+    assert_eq!(
+        (&now.panes.active.view, &now.panes.active.lights),
+        (&saved.panes.active.view, &saved.panes.active.lights)
+    );
     assert_eq!(now.views, saved.views);
     assert_eq!(
-        now.settings, saved.settings,
+        now.panes.active.settings, saved.panes.active.settings,
         "also of renderers that are not there"
     );
-    assert_eq!(now.preview, saved.preview);
+    assert_eq!(now.panes.active.preview, saved.panes.active.preview);
     let warned = messages(&window);
     assert!(
         warned
@@ -228,7 +238,7 @@ fn reloading_reads_what_changed_and_keeps_the_rest() {
     let session = &mut window.state_mut().session;
     let id = session.scene.objects()[0].id;
     session.edit_scene(|scene| scene.edit(id, |object| object.material.ks = 0.7));
-    let camera = session.camera;
+    let camera = session.panes.active.camera;
     let more = SQUARE.replace("vertex 4", "vertex 5") + "2 2 0 0 0 1\n";
     std::fs::write(&path, more).expect("written");
     ask(&mut window, FileIntent::Reload);
@@ -236,7 +246,7 @@ fn reloading_reads_what_changed_and_keeps_the_rest() {
         window.state().session.scene.surfel_count() == 5
     });
     let session = &window.state().session;
-    assert_eq!(session.camera, camera);
+    assert_eq!(session.panes.active.camera, camera);
     assert_eq!(session.scene.objects()[0].material.ks, 0.7);
 }
 
@@ -253,7 +263,7 @@ fn a_window_goes_on_with_what_the_last_one_left() {
     ask(&mut first, WindowIntent::TextScale(1.5));
     let state = first.state_mut();
     state.panels.log = true;
-    state.session.view.exposure = 2.0;
+    state.session.panes.active.view.exposure = 2.0;
     state.session.pacing.rate_limit = Some(30);
     first.run_steps(3);
     drop(first);
@@ -266,7 +276,7 @@ fn a_window_goes_on_with_what_the_last_one_left() {
     second.run_steps(2);
     let state = second.state();
     assert!(state.panels.log);
-    assert_eq!(state.session.view.exposure, 2.0);
+    assert_eq!(state.session.panes.active.view.exposure, 2.0);
     assert_eq!(state.session.pacing.rate_limit, Some(30));
     assert_eq!(second.ctx.zoom_factor(), 1.5);
     assert!(!second.ctx.global_style().visuals.dark_mode);
@@ -294,7 +304,7 @@ fn damaged_settings_are_set_aside_with_one_message() {
             && said[0].contains("settings.damaged-1.toml"),
         "{said:?}"
     );
-    assert_eq!(window.state().session.view.exposure, 1.0);
+    assert_eq!(window.state().session.panes.active.view.exposure, 1.0);
 }
 
 #[test]

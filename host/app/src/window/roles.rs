@@ -6,7 +6,7 @@ use pointstage_engine::stage::Role;
 use pointstage_plugin_api::abi::Interaction;
 use pointstage_scene::{Camera, Lights};
 
-use super::session::{Session, ViewOptions};
+use super::session::{Pane, ViewOptions};
 
 /// How long nothing may have moved before the main renderer takes over: longer than the pause between two notches of a
 /// wheel, so that a slow main renderer does not come between them.
@@ -51,15 +51,15 @@ impl Roles {
     /// Who draws now. Called once a pass. `is_pressed` says that a pointer's button is down somewhere.
     pub(crate) fn choose(
         &mut self,
-        session: &Session,
+        pane: &Pane,
         interaction: Interaction,
         is_pressed: bool,
         now: Instant,
     ) -> Role {
         let movable = Movable {
-            camera: session.camera,
-            lights: session.lights.clone(),
-            view: session.view.clone(),
+            camera: pane.camera,
+            lights: pane.lights.clone(),
+            view: pane.view.clone(),
         };
         let camera_moves = interaction == Interaction::MOVING;
         let slider_moves = is_pressed && self.seen.as_ref().is_some_and(|seen| *seen != movable);
@@ -71,7 +71,7 @@ impl Roles {
         if self.moved_at.is_some_and(|at| now >= at + settle) {
             self.moved_at = None;
         }
-        let role = match (&session.preview, self.is_held || self.moved_at.is_some()) {
+        let role = match (&pane.preview, self.is_held || self.moved_at.is_some()) {
             (Some(_), true) => Role::Preview,
             _ => Role::Main,
         };
@@ -122,26 +122,26 @@ impl Roles {
 mod tests {
     use super::*;
 
-    fn session(preview: Option<&str>) -> Session {
-        Session {
+    fn pane(preview: Option<&str>) -> Pane {
+        Pane {
             preview: preview.map(Into::into),
-            ..Session::new("main".into())
+            ..Pane::new("main".into())
         }
     }
 
     #[test]
     fn the_preview_stands_in_until_the_camera_has_been_still_for_a_while() {
-        let (mut roles, session) = (Roles::default(), session(Some("fast")));
+        let (mut roles, pane) = (Roles::default(), pane(Some("fast")));
         let start = Instant::now();
         let at = |millis| start + Duration::from_millis(millis);
         let still = Interaction::STILL;
-        assert_eq!(roles.choose(&session, still, false, at(0)), Role::Main);
+        assert_eq!(roles.choose(&pane, still, false, at(0)), Role::Main);
         let moving = Interaction::MOVING;
-        assert_eq!(roles.choose(&session, moving, true, at(10)), Role::Preview);
-        assert_eq!(roles.choose(&session, still, false, at(20)), Role::Preview);
+        assert_eq!(roles.choose(&pane, moving, true, at(10)), Role::Preview);
+        assert_eq!(roles.choose(&pane, still, false, at(20)), Role::Preview);
         assert!(roles.next_change(at(20)).is_some_and(|time| time <= SETTLE));
-        assert_eq!(roles.choose(&session, still, false, at(159)), Role::Preview);
-        assert_eq!(roles.choose(&session, still, false, at(160)), Role::Main);
+        assert_eq!(roles.choose(&pane, still, false, at(159)), Role::Preview);
+        assert_eq!(roles.choose(&pane, still, false, at(160)), Role::Main);
         assert!(roles.is_under_way());
         assert!(roles.main_is_there(at(200)));
         assert_eq!(roles.hand_over(), Some(Duration::from_millis(40)));
@@ -152,34 +152,34 @@ mod tests {
 
     #[test]
     fn a_slider_that_is_dragged_calls_the_preview_and_a_typed_value_does_not() {
-        let (mut roles, mut session) = (Roles::default(), session(Some("fast")));
+        let (mut roles, mut pane) = (Roles::default(), pane(Some("fast")));
         let now = Instant::now();
         let still = Interaction::STILL;
-        roles.choose(&session, still, false, now);
-        session.view.exposure = 2.0;
-        assert_eq!(roles.choose(&session, still, false, now), Role::Main);
-        session.view.exposure = 3.0;
-        assert_eq!(roles.choose(&session, still, true, now), Role::Preview);
+        roles.choose(&pane, still, false, now);
+        pane.view.exposure = 2.0;
+        assert_eq!(roles.choose(&pane, still, false, now), Role::Main);
+        pane.view.exposure = 3.0;
+        assert_eq!(roles.choose(&pane, still, true, now), Role::Preview);
     }
 
     #[test]
     fn settings_of_the_main_renderer_are_shown_by_the_main_renderer() {
-        let (mut roles, mut session) = (Roles::default(), session(Some("fast")));
+        let (mut roles, mut pane) = (Roles::default(), pane(Some("fast")));
         let now = Instant::now();
-        roles.choose(&session, Interaction::STILL, true, now);
-        session.settings.entry("main".into()).or_default().insert(
+        roles.choose(&pane, Interaction::STILL, true, now);
+        pane.settings.entry("main".into()).or_default().insert(
             "size".into(),
             pointstage_engine::stage::SettingValue::Float(3.0),
         );
-        let role = roles.choose(&session, Interaction::STILL, true, now);
+        let role = roles.choose(&pane, Interaction::STILL, true, now);
         assert_eq!(role, Role::Main);
     }
 
     #[test]
     fn by_hand_the_preview_stays_until_it_is_sent_away() {
-        let (mut roles, session) = (Roles::default(), session(Some("fast")));
+        let (mut roles, pane) = (Roles::default(), pane(Some("fast")));
         let now = Instant::now();
-        let role = |roles: &mut Roles| roles.choose(&session, Interaction::STILL, false, now);
+        let role = |roles: &mut Roles| roles.choose(&pane, Interaction::STILL, false, now);
         roles.toggle_by_hand();
         assert_eq!(role(&mut roles), Role::Preview);
         assert_eq!(role(&mut roles), Role::Preview);
@@ -189,8 +189,8 @@ mod tests {
 
     #[test]
     fn without_a_preview_the_main_renderer_draws_what_moves() {
-        let (mut roles, session) = (Roles::default(), session(None));
-        let role = roles.choose(&session, Interaction::MOVING, true, Instant::now());
+        let (mut roles, pane) = (Roles::default(), pane(None));
+        let role = roles.choose(&pane, Interaction::MOVING, true, Instant::now());
         assert_eq!(role, Role::Main);
         assert!(!roles.is_under_way());
     }

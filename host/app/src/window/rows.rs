@@ -1,13 +1,14 @@
 //! What the panels show about renderers and plugins: made from the engine's registry, read by the UI functions.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use pointstage_engine::plugins::{
     FoundIn, PluginFile, PluginInfo, Remedy, Suitability, VerdictClass, suitability,
 };
 use pointstage_engine::stage::{FALLBACK_ID, Notice, PluginHoldings, Severity, Stage};
-use pointstage_plugin_api::manifest::PluginEntry;
+use pointstage_plugin_api::manifest::{DeviceKind, Gives, Needs, PluginEntry};
 use pointstage_plugin_api::settings_schema::SettingSchema;
 use pointstage_scene::Scene;
 
@@ -62,14 +63,22 @@ impl Rows {
 pub(crate) struct RendererRow {
     /// What a request names.
     pub(crate) id: String,
+    /// The short name that command lines take.
+    pub(crate) alias: String,
     /// For people.
     pub(crate) title: String,
+    /// Of the plugin; empty for what is built in.
+    pub(crate) version: String,
     /// Version, citation, what it gives: the tooltip.
     pub(crate) about: String,
     /// Why it cannot draw this scene on this device, if so.
     pub(crate) obstacle: Option<Obstacle>,
     /// Whether its picture comes bit by bit.
     pub(crate) refines: bool,
+    /// What it needs of a scene and draws with, in words.
+    pub(crate) needs: String,
+    /// What it offers.
+    pub(crate) gives: Gives,
     /// Its settings.
     pub(crate) settings: Vec<SettingSchema>,
 }
@@ -167,20 +176,18 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
     let registry = stage.registry();
     let device = stage.device().map(|device| &**device);
     let row = |info: &PluginInfo| RendererRow {
-        id: info.id.clone(),
-        title: info.entry.title.clone(),
         about: about(info),
         obstacle: obstacle(&suitability(&info.entry.needs, scene, device)),
-        refines: info.entry.gives.progressive,
-        settings: info.entry.settings.clone(),
+        ..RendererRow::of(&info.entry)
     };
     let found = registry.renderers();
     let mut renderers: Vec<RendererRow> = found.iter().map(|info| row(info)).collect();
+    name_builds(&mut renderers, &found);
     let candidates: Vec<Candidate<'_>> = found
         .iter()
         .zip(&renderers)
         .map(|(info, row)| Candidate {
-            id: &info.id,
+            id: &row.id,
             needs: &info.entry.needs,
             gives: &info.entry.gives,
             is_suitable: row.obstacle.is_none(),
@@ -191,6 +198,10 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
     let recommended_preview = recommend::preview(&candidates, has);
     renderers.push(RendererRow {
         id: FALLBACK_ID.to_owned(),
+        alias: "fallback".to_owned(),
+        version: String::new(),
+        needs: "CPU".to_owned(),
+        gives: Gives::default(),
         title: "Built-in fallback (CPU)".to_owned(),
         about: "Opaque disks drawn on the CPU; always there.".to_owned(),
         obstacle: None,
@@ -214,6 +225,58 @@ pub(crate) fn of(stage: &Stage, scene: &Scene) -> Rows {
         recommended,
         recommended_preview,
     }
+}
+
+impl RendererRow {
+    /// What the manifest says, as if nothing stood in its way.
+    pub(crate) fn of(entry: &PluginEntry) -> Self {
+        Self {
+            id: entry.id.clone(),
+            alias: entry.alias.clone(),
+            title: entry.title.clone(),
+            version: entry.version.clone(),
+            about: String::new(),
+            obstacle: None,
+            refines: entry.gives.progressive,
+            needs: needs_in_words(&entry.needs),
+            gives: entry.gives.clone(),
+            settings: entry.settings.clone(),
+        }
+    }
+}
+
+/// Gives builds of one plugin names of their own: the first keeps the plugin's, each further one is named by its hash.
+fn name_builds(rows: &mut [RendererRow], found: &[Arc<PluginInfo>]) {
+    for (index, info) in found.iter().enumerate() {
+        let is_further = found[..index].iter().any(|other| other.id == info.id);
+        if is_further && let Some(row) = rows.get_mut(index) {
+            let hash: String = info.hash.chars().take(8).collect();
+            row.id = format!("{}#{hash}", info.id);
+            row.title = format!(
+                "{} ({}, build {hash})",
+                info.entry.title, info.entry.version
+            );
+        }
+    }
+}
+
+fn needs_in_words(needs: &Needs) -> String {
+    let mut words: Vec<&str> = [
+        (needs.normals, "normals"),
+        (needs.radii, "radii"),
+        (needs.axes, "axes"),
+        (needs.colours, "colours"),
+        (needs.mesh, "triangles"),
+    ]
+    .into_iter()
+    .filter_map(|(is_needed, word)| is_needed.then_some(word))
+    .collect();
+    words.extend(needs.columns.iter().map(String::as_str));
+    words.push(match needs.device {
+        DeviceKind::Gpu => "a device",
+        DeviceKind::Cpu => "CPU",
+    });
+    words.join(", ")
 }
 
 fn about(info: &PluginInfo) -> String {

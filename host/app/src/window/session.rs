@@ -6,9 +6,11 @@ use std::sync::Arc;
 use pointstage_engine::stage::{Background, SettingValues, Show};
 use pointstage_scene::{Camera, Lights, Material, NearClipping, ObjectId, Scene, Warnings};
 
+use super::comparison::Comparison;
 use super::navigation::NavigationOptions;
 use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
+use super::several::Several;
 use super::views::StoredViews;
 
 /// All that a picture depends on, and what the user chose for renderers that are not chosen now.
@@ -18,16 +20,31 @@ pub(crate) struct Session {
     pub(crate) scene: Arc<Scene>,
     /// What loading each object gave to say.
     pub(crate) warnings: BTreeMap<ObjectId, Warnings>,
+    /// What each view shows; panels, menus and keys act on the active one.
+    pub(crate) panes: Several<Pane>,
+    /// How views are compared.
+    pub(crate) comparison: Comparison,
+    /// How the camera answers to pointer and keys.
+    pub(crate) navigation: NavigationOptions,
+    /// The material of objects that come.
+    pub(crate) material: Material,
+    /// Values under names.
+    pub(crate) presets: Presets,
+    /// How often it is drawn.
+    pub(crate) pacing: Pacing,
+    /// Views that were kept.
+    pub(crate) views: StoredViews,
+}
+
+/// One view: how the scene is looked at, and what draws it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pane {
     /// The eye.
     pub(crate) camera: Camera,
     /// What decides where the camera's near plane stands.
     pub(crate) near: NearClipping,
-    /// How the camera answers to pointer and keys.
-    pub(crate) navigation: NavigationOptions,
     /// The lights.
     pub(crate) lights: Lights,
-    /// The material of objects that come.
-    pub(crate) material: Material,
     /// The main renderer's id.
     pub(crate) renderer: String,
     /// The id of the renderer that stands in while things move; none lets the main one draw then too.
@@ -36,16 +53,10 @@ pub(crate) struct Session {
     pub(crate) structure: Option<String>,
     /// Values that differ from the default, by renderer id.
     pub(crate) settings: BTreeMap<String, SettingValues>,
-    /// Values under names.
-    pub(crate) presets: Presets,
-    /// Which of them the values come from.
+    /// Which presets the values come from.
     pub(crate) active_presets: ActivePresets,
     /// How the picture is shown.
     pub(crate) view: ViewOptions,
-    /// How often it is drawn.
-    pub(crate) pacing: Pacing,
-    /// Views that were kept.
-    pub(crate) views: StoredViews,
 }
 
 /// How a picture is shown, whatever the renderer.
@@ -82,31 +93,25 @@ impl Session {
         Self {
             scene: Arc::new(Scene::new()),
             warnings: BTreeMap::new(),
-            camera: Camera::default(),
-            near: NearClipping::default(),
+            panes: Several::one(Pane::new(renderer)),
+            comparison: Comparison::default(),
             navigation: NavigationOptions::default(),
-            lights: Lights::default(),
             material: Material::default(),
-            renderer,
-            preview: None,
-            structure: None,
-            settings: BTreeMap::new(),
             presets: Presets::new(),
-            active_presets: ActivePresets::new(),
-            view: ViewOptions::default(),
             pacing: Pacing::default(),
             views: StoredViews::default(),
         }
     }
 
-    /// The values of the chosen renderer.
+    /// The values of the active view's renderer.
     pub(crate) fn chosen_settings(&self) -> SettingValues {
-        self.settings_of(&self.renderer)
+        let pane = &self.panes.active;
+        pane.settings_of(&pane.renderer)
     }
 
-    /// The values of a renderer.
+    /// The values that the active view has for a renderer or structure.
     pub(crate) fn settings_of(&self, renderer: &str) -> SettingValues {
-        self.settings.get(renderer).cloned().unwrap_or_default()
+        self.panes.active.settings_of(renderer)
     }
 
     /// Takes all objects out.
@@ -118,5 +123,27 @@ impl Session {
     /// Changes the scene; frames that are being drawn keep the one they started with.
     pub(crate) fn edit_scene<T>(&mut self, change: impl FnOnce(&mut Scene) -> T) -> T {
         change(Arc::make_mut(&mut self.scene))
+    }
+}
+
+impl Pane {
+    /// A view by `renderer`, everything else as in a new window.
+    pub(crate) fn new(renderer: String) -> Self {
+        Self {
+            camera: Camera::default(),
+            near: NearClipping::default(),
+            lights: Lights::default(),
+            renderer,
+            preview: None,
+            structure: None,
+            settings: BTreeMap::new(),
+            active_presets: ActivePresets::new(),
+            view: ViewOptions::default(),
+        }
+    }
+
+    /// The values of a renderer or structure.
+    pub(crate) fn settings_of(&self, owner: &str) -> SettingValues {
+        self.settings.get(owner).cloned().unwrap_or_default()
     }
 }

@@ -4,15 +4,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use pointstage_engine::stage::Severity;
-use pointstage_scene::{Job, LoadError, Loaded, NearClipping, Scene, load};
+use pointstage_scene::{Job, LoadError, Loaded, NearClipping, Scene, ViewRecord, load};
 
 use super::app::App;
+use super::comparison::{Comparison, FLICKER_HZ, Way};
 use super::history::History;
 use super::intent::OpenMode;
 use super::loading::{Arrival, Batch, Finished, Place, arrive};
 use super::remembered::{stored_views, views_to_store};
+use super::session::Pane;
+use super::several::{MOST_VIEWS, Several};
 use super::tasks::guarded;
-use crate::session_file::{Renderers, SceneFile, SessionFile};
+use crate::session_file::{ComparisonFile, PaneFile, Renderers, SceneFile, SessionFile};
 use crate::toml_form::Look;
 
 /// A session with all of its objects that could be loaded.
@@ -114,24 +117,33 @@ impl App {
             settings,
             presets,
             views,
+            panes,
+            comparison,
             ..
         } = file;
         // A view that the camera flies to must not carry it away from the session's.
         let around = self.surroundings();
-        self.navigator.stop(&mut self.session.camera, &around);
+        self.navigator
+            .stop(&mut self.session.panes.active.camera, &around);
+        // Of several views, the active one is among them.
+        self.session.panes.truncate(1);
         let session = &mut self.session;
-        session.camera = view.camera();
-        session.near = NearClipping::of(&session.camera);
-        session.view = look.into();
-        session.lights = lights;
-        session.settings = settings;
-        session.active_presets = presets;
+        session.panes.active.camera = view.camera();
+        session.panes.active.near = NearClipping::of(&session.panes.active.camera);
+        session.panes.active.view = look.into();
+        session.panes.active.lights = lights;
+        session.panes.active.settings = settings;
+        session.panes.active.active_presets = presets;
         session.views = stored_views(views);
         if let Some(main) = renderers.main {
-            session.renderer = main;
+            session.panes.active.renderer = main;
         }
-        session.preview = renderers.preview;
-        session.structure = renderers.structure;
+        session.panes.active.preview = renderers.preview;
+        session.panes.active.structure = renderers.structure;
+        if panes.len() > 1 {
+            self.take_over_panes(panes, comparison.unwrap_or_default());
+        }
+        self.match_screens();
         // What was undone led to another session.
         self.history = History::default();
         tracing::info!("session opened: {}", path.display());
@@ -151,8 +163,8 @@ impl App {
             return;
         }
         let now = Instant::now();
-        let main = Some(&self.session.renderer).filter(|id| !id.is_empty());
-        let named = main.into_iter().chain(&self.session.preview);
+        let main = Some(&self.session.panes.active.renderer).filter(|id| !id.is_empty());
+        let named = main.into_iter().chain(&self.session.panes.active.preview);
         let missing: Vec<String> = named
             .filter(|id| self.rows.renderer(id).is_none())
             .cloned()
@@ -175,18 +187,46 @@ impl App {
         let mut file = SessionFile::new(self.view_record());
         file.scene = entries_of(&session.scene, |id| session.warnings.get(&id));
         file.scene.extend(remembered.absent.iter().cloned());
-        let main = Some(&session.renderer).filter(|id| !id.is_empty());
+        let main = Some(&session.panes.active.renderer).filter(|id| !id.is_empty());
         file.renderers = Renderers {
             main: main.cloned(),
-            preview: session.preview.clone(),
-            structure: session.structure.clone(),
+            preview: session.panes.active.preview.clone(),
+            structure: session.panes.active.structure.clone(),
         };
-        file.look = Look::from(&session.view);
-        file.lights = session.lights.clone();
-        file.settings = session.settings.clone();
-        file.presets = session.active_presets.clone();
+        file.look = Look::from(&session.panes.active.view);
+        file.lights = session.panes.active.lights.clone();
+        file.settings = session.panes.active.settings.clone();
+        file.presets = session.panes.active.active_presets.clone();
         file.views = views_to_store(&session.views);
+        if session.panes.count() > 1 {
+            file.panes = self.panes_to_store();
+            file.comparison = Some(session.comparison.to_file(session.panes.active_index()));
+        }
         file
+    }
+
+    /// All views, as a file holds them.
+    fn panes_to_store(&self) -> Vec<PaneFile> {
+        let views = self.session.panes.iter().zip(self.screens.iter());
+        let stored = views.map(|(pane, screen)| {
+            let [width, height] = screen
+                .viewport
+                .or(self.screens.active.viewport)
+                .map_or([1280, 720], |viewport| viewport.size_px);
+            pane.to_file(width, height)
+        });
+        stored.collect()
+    }
+
+    /// Puts several views in the place of the one that there is.
+    fn take_over_panes(&mut self, panes: Vec<PaneFile>, comparison: ComparisonFile) {
+        let mut taken = panes.into_iter().take(MOST_VIEWS).map(Pane::from_file);
+        if let Some(first) = taken.next() {
+            self.session.panes = Several::one(first);
+        }
+        taken.for_each(|pane| self.session.panes.push(pane));
+        self.session.panes.activate(comparison.active);
+        self.session.comparison = Comparison::from_file(&comparison);
     }
 
     /// A name for the session's file: beside the first object, called like it.
@@ -217,4 +257,83 @@ fn entries_of<'a>(
     objects
         .filter_map(|object| SceneFile::of(object, warnings(object.id)))
         .collect()
+}
+
+impl Pane {
+    /// The view as a file holds it, with its picture's size, px.
+    fn to_file(&self, width: u32, height: u32) -> PaneFile {
+        let main = Some(&self.renderer).filter(|id| !id.is_empty());
+        PaneFile {
+            view: ViewRecord::new(self.camera, width, height),
+            renderers: Renderers {
+                main: main.cloned(),
+                preview: self.preview.clone(),
+                structure: self.structure.clone(),
+            },
+            look: Look::from(&self.view),
+            lights: self.lights.clone(),
+            settings: self.settings.clone(),
+            presets: self.active_presets.clone(),
+        }
+    }
+
+    /// The view that a file holds.
+    fn from_file(file: PaneFile) -> Self {
+        let PaneFile {
+            view,
+            renderers,
+            look,
+            lights,
+            settings,
+            presets,
+        } = file;
+        let camera = view.camera();
+        Self {
+            near: NearClipping::of(&camera),
+            camera,
+            lights,
+            renderer: renderers.main.unwrap_or_default(),
+            preview: renderers.preview,
+            structure: renderers.structure,
+            settings,
+            active_presets: presets,
+            view: look.into(),
+        }
+    }
+}
+
+impl Comparison {
+    /// How views are compared, as a file holds it.
+    fn to_file(&self, active: usize) -> ComparisonFile {
+        ComparisonFile {
+            active,
+            linked: self.is_linked,
+            fair: self.is_locked,
+            layout: self.way.key().to_owned(),
+            flicker_hz: self.flicker_hz,
+            against: self.against,
+            measure: self.measures,
+            split: self.split,
+        }
+    }
+
+    /// What a file holds, within what there is.
+    fn from_file(file: &ComparisonFile) -> Self {
+        let usual = Self::default();
+        let number = |value: f32, usual: f32| if value.is_finite() { value } else { usual };
+        let mut ways = Way::ALL.into_iter().map(|(way, _)| way);
+        let [column, row] = file.split;
+        Self {
+            is_linked: file.linked,
+            is_locked: file.fair,
+            way: ways
+                .find(|way| way.key() == file.layout)
+                .unwrap_or(usual.way),
+            flicker_hz: number(file.flicker_hz, usual.flicker_hz)
+                .clamp(*FLICKER_HZ.start(), *FLICKER_HZ.end()),
+            against: file.against,
+            measures: file.measure,
+            split: [number(column, 0.5), number(row, 0.5)].map(|part| part.clamp(0.0, 1.0)),
+        }
+    }
 }

@@ -8,7 +8,7 @@ use pointstage_engine::frame::legend::{Legend, legend};
 use pointstage_engine::frame::targets::{TargetSpec, host_target_spec};
 use pointstage_engine::stage::{
     Adapter, FrameRequest, FrameResult, Notice, PluginHoldings, Severity, Show, Stage,
-    StageOptions, StageThread,
+    StageOptions, StageThread, ViewportId,
 };
 use pointstage_plugin_api::abi::Format;
 use pointstage_scene::Scene;
@@ -18,7 +18,6 @@ use super::rows::{self, Rows};
 /// The stage on its thread, and what came from it.
 pub(crate) struct StageLink {
     thread: StageThread,
-    taken: Option<Arc<FrameResult>>,
     rows: (Sender<Rows>, Receiver<Rows>),
     /// What went wrong on errands.
     failures: (Sender<String>, Receiver<String>),
@@ -42,7 +41,6 @@ impl StageLink {
         let wake = Arc::clone(wake);
         Ok(Self {
             thread: StageThread::spawn(options, move || wake())?,
-            taken: None,
             rows: channel(),
             failures: channel(),
             awaited_rows: 0,
@@ -72,18 +70,20 @@ impl StageLink {
         self.thread.background(step);
     }
 
-    /// The newest picture, once.
-    pub(crate) fn take_new_picture(&mut self) -> Option<Arc<FrameResult>> {
-        let latest = self.thread.latest()?;
-        let is_known = self
-            .taken
-            .as_ref()
-            .is_some_and(|taken| Arc::ptr_eq(taken, &latest));
-        if is_known {
-            return None;
-        }
-        self.taken = Some(latest.clone());
-        Some(latest)
+    /// A view's newest picture, if it is another one than `known`.
+    pub(crate) fn new_picture(
+        &self,
+        viewport: ViewportId,
+        known: Option<&Arc<FrameResult>>,
+    ) -> Option<Arc<FrameResult>> {
+        let latest = self.thread.latest(viewport)?;
+        let is_known = known.is_some_and(|known| Arc::ptr_eq(known, &latest));
+        (!is_known).then_some(latest)
+    }
+
+    /// A view has gone, or is hidden: what is held for it may go.
+    pub(crate) fn close(&self, viewport: ViewportId) {
+        self.thread.close_viewport(viewport);
     }
 
     /// Messages since the last call.

@@ -166,7 +166,7 @@ impl App {
 
     /// Which of the two chosen renderers was asked last, in a word.
     fn role(&self) -> &'static str {
-        let wish = self.asking.last_wish();
+        let wish = self.screens.active.asking.last_wish();
         match wish.map_or(stage::Role::Main, |wish| wish.role) {
             stage::Role::Preview => "preview",
             stage::Role::Main | stage::Role::Auxiliary => "main",
@@ -175,20 +175,24 @@ impl App {
 
     fn state(&self, is_settled: bool) -> Value {
         let session = &self.session;
-        let shown = self.shown.as_deref();
+        let shown = self.screens.active.shown.as_deref();
         let preparing = shown.and_then(|shown| shown.preparing.as_ref());
-        let size_px = self.viewport.map_or([0; 2], |viewport| viewport.size_px);
+        let size_px = self
+            .screens
+            .active
+            .viewport
+            .map_or([0; 2], |viewport| viewport.size_px);
         let objects = session.scene.objects().iter();
         let tasks = self.tasks.open().iter();
         let messages = self.log.entries().iter();
         json!({
             "settled": is_settled,
-            "renderer": session.renderer,
+            "renderer": session.panes.active.renderer,
             "settings": session.chosen_settings(),
             "drawn_by": shown.map(|shown| &shown.drawn_by),
-            "preview": session.preview,
+            "preview": session.panes.active.preview,
             "role": self.role(),
-            "hand_over_ms": self.roles.hand_over().map(|time| time.as_secs_f64() * 1e3),
+            "hand_over_ms": self.screens.active.roles.hand_over().map(|time| time.as_secs_f64() * 1e3),
             "host_ms": {
                 "ask": self.host_times.ask.as_secs_f64() * 1e3,
                 "engine": self.host_times.engine.as_secs_f64() * 1e3,
@@ -200,12 +204,12 @@ impl App {
                 "surfel": surfel,
             })),
             "preparing": preparing.map(|preparing| &preparing.id),
-            "structure": session.structure,
+            "structure": session.panes.active.structure,
             "pacing": {
                 "rate_limit": session.pacing.rate_limit,
                 "target_rate": session.pacing.target_rate,
             },
-            "preset": super::presets::list(session, &session.renderer).active,
+            "preset": super::presets::list(session, &session.panes.active.renderer).active,
             "undo": self.history.next_undo(),
             "redo": self.history.next_redo(),
             "objects": objects.map(|object| json!({
@@ -213,8 +217,8 @@ impl App {
                 "surfels": object.geometry.surfel_count,
                 "selected": object.selected,
             })).collect::<Vec<_>>(),
-            "view": ViewRecord::new(session.camera, size_px[0], size_px[1]),
-            "lights": session.lights,
+            "view": ViewRecord::new(session.panes.active.camera, size_px[0], size_px[1]),
+            "lights": session.panes.active.lights,
             "flight": self.navigator.is_flight(),
             "flying": self.is_flying(),
             "turntable": session.navigation.turntable,
@@ -222,7 +226,7 @@ impl App {
                 "slots": session.views.slots.iter().map(Option::is_some).collect::<Vec<_>>(),
                 "named": session.views.named.iter().map(|view| &view.name).collect::<Vec<_>>(),
             },
-            "show": super::legend::title_of(&session.view.show),
+            "show": super::legend::title_of(&session.panes.active.view.show),
             "tasks": tasks.map(|task| json!({
                 "title": task.title,
                 "progress": task.job.progress(),

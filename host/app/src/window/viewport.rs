@@ -5,9 +5,14 @@ use pointstage_engine::stage::Background;
 use pointstage_plugin_api::abi::Interaction;
 
 use super::canvas;
-use super::intent::Intents;
+use super::comparison::Zoom;
+use super::comparison::zoom::part_of;
+use super::intent::{CompareIntent, Intents};
 use super::navigation::{Gestures, Hands, NavigationOptions, gestures};
 use super::picture::Layer;
+
+/// How much a turn of the wheel enlarges, per point: a notch of 50 points by a quarter.
+const ZOOM_PER_POINT: f32 = 0.004_46;
 
 /// What the viewport shows.
 pub(crate) struct Viewport<'a> {
@@ -19,6 +24,21 @@ pub(crate) struct Viewport<'a> {
     pub(crate) navigation: &'a NavigationOptions,
     /// Whether the camera moves by itself.
     pub(crate) is_moving: bool,
+    /// The part of the picture that is shown enlarged.
+    pub(crate) zoom: Option<Zoom>,
+}
+
+impl ViewportAnswer {
+    /// The same place without what the user does there.
+    pub(crate) fn still(self) -> Self {
+        Self {
+            interaction: Interaction::STILL,
+            is_flying: false,
+            hovered_at: None,
+            clicked_at: None,
+            ..self
+        }
+    }
 }
 
 /// What the viewport found out.
@@ -69,10 +89,19 @@ pub(crate) fn viewport_ui(
         options: viewport.navigation,
         is_moving: viewport.is_moving,
     };
+    // With Alt the picture itself is moved and enlarged, not the camera.
     let Hands {
         interaction,
         is_flying,
-    } = gestures(ui, &picture, out);
+    } = if ui.input(|input| input.modifiers.alt) {
+        zoom_gestures(ui, &response, rect, out);
+        Hands {
+            interaction: Interaction::STILL,
+            is_flying: false,
+        }
+    } else {
+        gestures(ui, &picture, out)
+    };
     let clicks = if response.double_clicked() {
         Some(Clicks::Two)
     } else {
@@ -89,9 +118,30 @@ pub(crate) fn viewport_ui(
     }
 }
 
+/// Alt and the wheel enlarge the pixels under the pointer, Alt and a drag move the enlarged part.
+fn zoom_gestures(ui: &Ui, response: &egui::Response, rect: Rect, out: &mut Intents) {
+    let scroll = ui.input(|input| input.smooth_scroll_delta());
+    // The system may turn a wheel with Alt sideways.
+    let turned = scroll.y + scroll.x;
+    if let Some(pointer) = response.hover_pos().filter(|_| turned != 0.0) {
+        let by = (turned * ZOOM_PER_POINT).exp();
+        out.push(CompareIntent::Zoom(by, part_of(rect, pointer)));
+    }
+    let delta = response.drag_delta() / rect.size().max(egui::Vec2::splat(1.0));
+    if delta != egui::Vec2::ZERO {
+        out.push(CompareIntent::ShiftZoom([delta.x, delta.y]));
+    }
+}
+
 fn paint(ui: &Ui, rect: Rect, viewport: &Viewport<'_>, has_focus: bool) {
     let painter = ui.painter_at(rect);
-    canvas::paint(&painter, rect, viewport.background, viewport.layers);
+    canvas::paint(
+        &painter,
+        rect,
+        viewport.background,
+        viewport.layers,
+        viewport.zoom,
+    );
     if has_focus {
         let stroke = ui.visuals().selection.stroke;
         painter.rect_stroke(rect, 0.0, (1.0, stroke.color), egui::StrokeKind::Inside);

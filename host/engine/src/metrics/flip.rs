@@ -9,6 +9,19 @@ use image::RgbImage;
 /// The library's default: a 4K screen 0.7 m wide, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 67.0;
 
+/// Eighths of *magma*, from 0 to 1, 8-bit sRGB: for legends.
+pub const MAGMA: [[u8; 3]; 9] = [
+    [0x00, 0x00, 0x04],
+    [0x1c, 0x10, 0x44],
+    [0x4f, 0x12, 0x7b],
+    [0x81, 0x25, 0x81],
+    [0xb5, 0x36, 0x7a],
+    [0xe5, 0x50, 0x64],
+    [0xfb, 0x87, 0x61],
+    [0xfe, 0xc2, 0x87],
+    [0xfc, 0xfd, 0xbf],
+];
+
 /// Errors of a picture, and how they are shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipErrors {

@@ -47,7 +47,7 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
         let place = place.within("Look from");
         moves(id, name, place, CameraMove::Axis(axis)).keys(modifiers, key)
     }));
-    let up_now = UpAxis::exactly(&app.session.camera);
+    let up_now = UpAxis::exactly(&app.session.panes.active.camera);
     actions.extend([(UpAxis::Y, "Y"), (UpAxis::Z, "Z")].map(|(axis, name)| {
         let id = format!("camera.up.{}", name.to_lowercase());
         let place = place.within("Up axis");
@@ -88,9 +88,9 @@ fn habits(app: &App) -> Vec<Action> {
     let switch = |id, title, is_on, options| {
         Action::new(id, title, place, CameraIntent::Options(options)).on(is_on)
     };
-    let is_near_automatic = app.session.near == NearClipping::Automatic;
+    let is_near_automatic = app.session.panes.active.near == NearClipping::Automatic;
     let near = if is_near_automatic {
-        NearClipping::Distance(0.5 * app.session.camera.distance())
+        NearClipping::Distance(0.5 * app.session.panes.active.camera.distance())
     } else {
         NearClipping::Automatic
     };

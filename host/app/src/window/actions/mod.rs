@@ -4,6 +4,7 @@
 //! cannot be done now is there too, with the reason.
 
 mod camera;
+mod compare;
 mod edit;
 mod file;
 mod help;
@@ -67,6 +68,8 @@ pub(crate) enum Menu {
     View,
     /// Which renderer.
     Renderer,
+    /// Views beside each other.
+    Compare,
     /// Panels, theme.
     Window,
     /// Keys, versions.
@@ -75,11 +78,12 @@ pub(crate) enum Menu {
 
 impl Menu {
     /// All menus with their names, from left to right.
-    pub(crate) const ALL: [(Self, &'static str); 6] = [
+    pub(crate) const ALL: [(Self, &'static str); 7] = [
         (Self::File, "File"),
         (Self::Edit, "Edit"),
         (Self::View, "View"),
         (Self::Renderer, "Renderer"),
+        (Self::Compare, "Compare"),
         (Self::Window, "Window"),
         (Self::Help, "Help"),
     ];
@@ -185,6 +189,7 @@ pub(crate) fn all(app: &App) -> Vec<Action> {
     actions.extend(views::actions(app));
     actions.extend(view::actions(app));
     actions.extend(renderer::actions(app));
+    actions.extend(compare::actions(app));
     actions.extend(window::actions(app));
     actions.extend(help::actions(app));
     actions
@@ -195,6 +200,7 @@ pub(crate) fn gestures() -> Vec<(&'static str, &'static str)> {
     [
         camera::GESTURES,
         view::GESTURES,
+        compare::GESTURES,
         file::GESTURES,
         window::GESTURES,
     ]

@@ -135,14 +135,7 @@ mod tests {
             }],
         });
         let manifest = Manifest::parse(manifest.to_string().as_bytes()).expect("a good manifest");
-        RendererRow {
-            id: "org.example.test".into(),
-            title: "Test".into(),
-            about: String::new(),
-            obstacle: None,
-            refines: false,
-            settings: manifest.plugins[0].settings.clone(),
-        }
+        RendererRow::of(&manifest.plugins[0])
     }
 
     fn pop() -> RendererRow {

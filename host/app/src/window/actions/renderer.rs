@@ -24,11 +24,11 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
                 choose,
                 intent,
             )
-            .on(row.id == app.session.renderer)
+            .on(row.id == app.session.panes.active.renderer)
             .unless(reason)
         })
         .collect();
-    let no_preview = app.session.preview.is_none();
+    let no_preview = app.session.panes.active.preview.is_none();
     actions.push(
         Action::new(
             "renderer.toggle_preview",
@@ -37,10 +37,10 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
             RendererIntent::TogglePreview,
         )
         .keys_in(Scope::OnPicture, Modifiers::NONE, Key::Space)
-        .on(app.roles.is_held())
+        .on(app.screens.active.roles.is_held())
         .unless(no_preview.then(|| "no preview renderer is chosen".to_owned())),
     );
-    if let Some(row) = app.rows.renderer(&app.session.renderer) {
+    if let Some(row) = app.rows.renderer(&app.session.panes.active.renderer) {
         actions.extend(own_keys::actions(row, &app.session.chosen_settings()));
     }
     actions.push(Action::new(

@@ -33,6 +33,8 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
 fn inspect_actions(app: &App) -> Vec<Action> {
     let place = Place::new(Menu::View, 4);
     let middle = app
+        .screens
+        .active
         .viewport
         .map_or([0; 2], |viewport| viewport.size_px.map(|side| side / 2));
     let nothing_kept = (!app.inspector.is_pinned()).then(|| "nothing is kept".to_owned());
@@ -75,7 +77,7 @@ fn show_actions(app: &App) -> Vec<Action> {
                 Show::Colours => "colours",
                 Show::Target(key) => key,
             };
-            let is_on = app.session.view.show == show;
+            let is_on = app.session.panes.active.view.show == show;
             let (id, title) = (format!("view.show.{key}"), legend::title_of(&show));
             Action::new(id, title, place, ViewIntent::Show(show)).on(is_on)
         })

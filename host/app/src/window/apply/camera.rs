@@ -10,7 +10,7 @@ use crate::window::navigation::{CameraMove, NavigationOptions, Surroundings};
 impl App {
     pub(super) fn apply_camera(&mut self, intent: CameraIntent) {
         let around = self.surroundings();
-        let camera = &mut self.session.camera;
+        let camera = &mut self.session.panes.active.camera;
         match intent {
             CameraIntent::Move(camera_move) => {
                 self.navigator.carry_out(camera, camera_move, &around);
@@ -27,7 +27,7 @@ impl App {
                 camera.fit_depth_clipped(&around.bounds, around.near);
             }
             CameraIntent::Near(near) => {
-                self.session.near = near;
+                self.session.panes.active.near = near;
                 self.navigator.stop(camera, &around);
                 camera.fit_depth_clipped(&around.bounds, near);
             }
@@ -50,19 +50,22 @@ impl App {
             let level = CameraMove::Level(self.navigator.level_axis());
             let around = self.surroundings();
             self.navigator
-                .carry_out(&mut self.session.camera, level, &around);
+                .carry_out(&mut self.session.panes.active.camera, level, &around);
         }
     }
 
     /// Shows the whole of a scene that has just come, at once.
     pub(in crate::window) fn frame_new_scene(&mut self) {
-        self.session.near = NearClipping::Automatic;
+        self.session.panes.active.near = NearClipping::Automatic;
         let around = Surroundings {
             flights: false,
             ..self.surroundings()
         };
-        self.navigator
-            .carry_out(&mut self.session.camera, CameraMove::Frame, &around);
+        self.navigator.carry_out(
+            &mut self.session.panes.active.camera,
+            CameraMove::Frame,
+            &around,
+        );
     }
 
     /// Moves a camera on that is on its way by itself, at the beginning of a pass.
@@ -71,7 +74,7 @@ impl App {
         let around = self.surroundings();
         let has_moved = self
             .navigator
-            .advance(&mut self.session.camera, now, &around);
+            .advance(&mut self.session.panes.active.camera, now, &around);
         if has_moved {
             // The next step, or after the last one the picture of a camera that rests.
             ctx.request_repaint();
@@ -80,13 +83,16 @@ impl App {
 
     /// Whether letters fly, since the right button is held over the picture.
     pub(in crate::window) fn is_flying(&self) -> bool {
-        self.viewport.is_some_and(|viewport| viewport.is_flying)
+        self.screens
+            .active
+            .viewport
+            .is_some_and(|viewport| viewport.is_flying)
     }
 
     /// What moves of the camera depend on.
     pub(in crate::window) fn surroundings(&self) -> Surroundings {
         let session = &self.session;
-        let aspect = self.viewport.map_or(1.5, |viewport| {
+        let aspect = self.screens.active.viewport.map_or(1.5, |viewport| {
             f64::from(viewport.size_px[0]) / f64::from(viewport.size_px[1])
         });
         let selected = session.scene.objects().iter();
@@ -100,7 +106,7 @@ impl App {
             turntable: session.navigation.turntable,
             flights: session.navigation.flights,
             up_axis: self.navigator.level_axis(),
-            near: session.near,
+            near: session.panes.active.near,
         }
     }
 }

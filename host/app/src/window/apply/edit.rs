@@ -15,6 +15,7 @@ impl App {
             EditIntent::Undo => self.history.undo(&mut self.session),
             EditIntent::Redo => self.history.redo(&mut self.session),
         };
+        self.match_screens();
         if let Some(title) = title {
             tracing::info!("{intent:?}: {title}");
         }

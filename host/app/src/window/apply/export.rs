@@ -114,20 +114,20 @@ impl App {
         let session = &self.session;
         let renderer = self.drawing_renderer();
         FrameRequest {
-            lights: session.lights.clone(),
-            structure: session.structure.clone(),
+            lights: session.panes.active.lights.clone(),
+            structure: session.panes.active.structure.clone(),
             settings: session.settings_of(&renderer),
-            show: session.view.show.clone(),
+            show: session.panes.active.view.show.clone(),
             background: match image.backdrop {
-                Backdrop::AsShown => session.view.background,
+                Backdrop::AsShown => session.panes.active.view.background,
                 Backdrop::Transparent => Background::Transparent,
             },
-            exposure: session.view.exposure,
-            radius_scale: session.view.radius_scale,
+            exposure: session.panes.active.view.exposure,
+            radius_scale: session.panes.active.view.radius_scale,
             patience: Patience::DrawMeanwhile,
             ..FrameRequest::still(
                 session.scene.clone(),
-                session.camera,
+                session.panes.active.camera,
                 image.size_px,
                 renderer,
             )
@@ -136,11 +136,14 @@ impl App {
 
     /// The renderer that draws the picture: the chosen one, or another one if that cannot draw this scene.
     fn drawing_renderer(&self) -> String {
-        let chosen = self.rows.renderer(&self.session.renderer);
+        let chosen = self.rows.renderer(&self.session.panes.active.renderer);
         let drawing = chosen
             .filter(|row| row.obstacle.is_none())
             .or_else(|| self.rows.first_suitable());
-        drawing.map_or_else(|| self.session.renderer.clone(), |row| row.id.clone())
+        drawing.map_or_else(
+            || self.session.panes.active.renderer.clone(),
+            |row| row.id.clone(),
+        )
     }
 
     /// Says where an image is.

@@ -11,6 +11,7 @@ use crate::host_log;
 use crate::session_file::{SceneFile, SessionFile};
 use crate::window::app::App;
 use crate::window::bug_report::{Private, Report, bug_report};
+use crate::window::comparison::SweepPanel;
 use crate::window::dialogs::{Asked, FileDialog, PathField};
 use crate::window::intent::{FileIntent, OpenMode, Overwrite};
 use crate::window::loading::{Batch, Place, load_file};
@@ -50,6 +51,15 @@ impl App {
         let (sessions, scans): (Vec<_>, Vec<_>) = files
             .into_iter()
             .partition(|path| SessionFile::is_named_like_one(path));
+        let (sweeps, scans): (Vec<_>, Vec<_>) = scans
+            .into_iter()
+            .partition(|path| SweepPanel::is_named_like_one(path));
+        for path in sweeps {
+            self.open_sweep(&path);
+        }
+        if sessions.is_empty() && scans.is_empty() {
+            return;
+        }
         let mode = if sessions.is_empty() {
             mode
         } else {

@@ -18,7 +18,7 @@ impl App {
     }
 
     fn pin(&mut self, pixel: [u32; 2]) {
-        let Some(shown) = self.shown.clone() else {
+        let Some(shown) = self.screens.active.shown.clone() else {
             return;
         };
         if self.inspector.pin(pixel, &shown, &self.session.scene) {
@@ -30,6 +30,8 @@ impl App {
         // The double click's first click kept the surfel; it was not meant.
         self.inspector.unpin();
         let pick = self
+            .screens
+            .active
             .shown
             .as_ref()
             .and_then(|shown| shown.pick(pixel.map(i64::from), REACH_PX));

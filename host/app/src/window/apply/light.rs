@@ -8,7 +8,7 @@ use crate::window::intent::LightIntent;
 impl App {
     pub(super) fn apply_light(&mut self, intent: LightIntent) {
         match intent {
-            LightIntent::Set(lights) => self.session.lights = lights,
+            LightIntent::Set(lights) => self.session.panes.active.lights = lights,
             LightIntent::Drag { right, up } => {
                 self.move_first_light(|light, camera| light.drag(camera, right, up));
             }
@@ -21,8 +21,8 @@ impl App {
 
     /// Without a light there is nothing to move; the gizmo shows that there is none.
     fn move_first_light(&mut self, change: impl FnOnce(&mut Light, &Camera)) {
-        if let Some(light) = self.session.lights.lights.first_mut() {
-            change(light, &self.session.camera);
+        if let Some(light) = self.session.panes.active.lights.lights.first_mut() {
+            change(light, &self.session.panes.active.camera);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Carries out what the user asked for: one file an area, as the intents are.
 
 mod camera;
+mod compare;
 mod edit;
 mod export;
 mod file;
@@ -29,6 +30,7 @@ impl App {
             Intent::Edit(intent) => self.apply_edit(ctx, intent),
             Intent::Renderer(intent) => self.apply_renderer(intent),
             Intent::Camera(intent) => self.apply_camera(intent),
+            Intent::Compare(intent) => self.apply_compare(intent),
             Intent::Views(intent) => self.apply_views(ctx, intent),
             Intent::Light(intent) => self.apply_light(intent),
             Intent::View(intent) => self.apply_view(intent),

@@ -37,7 +37,7 @@ impl App {
             }),
             PluginsIntent::LoseDevice => {
                 self.stage.lose_device();
-                self.asking.invalidate();
+                self.screens.active.asking.invalidate();
             }
         }
     }

@@ -15,7 +15,7 @@ impl App {
     fn cancel_preparation(&mut self, id: String) {
         let title = self.rows.title(&id).to_owned();
         self.stage.cancel_preparation(id.clone());
-        self.asking.invalidate();
+        self.screens.active.asking.invalidate();
         let offer = Offer {
             label: "Prepare it again",
             intent: RendererIntent::PrepareAgain(id).into(),
@@ -25,33 +25,33 @@ impl App {
     }
 
     pub(super) fn apply_renderer(&mut self, intent: RendererIntent) {
-        let renderer = self.session.renderer.clone();
+        let renderer = self.session.panes.active.renderer.clone();
         match intent {
             RendererIntent::Choose(id) => {
                 tracing::info!("renderer chosen: {id}");
-                self.session.renderer = id;
+                self.session.panes.active.renderer = id;
             }
-            RendererIntent::ChoosePreview(id) => self.session.preview = id,
-            RendererIntent::TogglePreview => self.roles.toggle_by_hand(),
+            RendererIntent::ChoosePreview(id) => self.session.panes.active.preview = id,
+            RendererIntent::TogglePreview => self.screens.active.roles.toggle_by_hand(),
             RendererIntent::CancelPreparation(id) => self.cancel_preparation(id),
             RendererIntent::PrepareAgain(id) => {
                 self.stage.prepare_again(id);
-                self.asking.invalidate();
+                self.screens.active.asking.invalidate();
             }
-            RendererIntent::ChooseStructure(id) => self.session.structure = id,
+            RendererIntent::ChooseStructure(id) => self.session.panes.active.structure = id,
             RendererIntent::Set(id, value) => self.set(renderer, id, &value),
             RendererIntent::ResetSome(ids) => self.reset(&renderer, &ids),
             RendererIntent::ResetAll => {
-                self.session.settings.remove(&renderer);
+                self.session.panes.active.settings.remove(&renderer);
             }
-            RendererIntent::Press(id) => self.asking.press(id),
+            RendererIntent::Press(id) => self.screens.active.asking.press(id),
             RendererIntent::SetOfStructure(id, value) => {
-                if let Some(structure) = self.session.structure.clone() {
+                if let Some(structure) = self.session.panes.active.structure.clone() {
                     self.set(structure, id, &value);
                 }
             }
             RendererIntent::ResetOfStructure(ids) => {
-                if let Some(structure) = self.session.structure.clone() {
+                if let Some(structure) = self.session.panes.active.structure.clone() {
                     self.reset(&structure, &ids);
                 }
             }
@@ -88,7 +88,7 @@ impl App {
             Ok(value) => {
                 tracing::info!("setting {id} = {value}");
                 let is_default = setting.default_value().as_ref() == Some(&value);
-                let values = self.session.settings.entry(owner).or_default();
+                let values = self.session.panes.active.settings.entry(owner).or_default();
                 if is_default {
                     values.remove(&id);
                 } else {
@@ -100,7 +100,7 @@ impl App {
     }
 
     fn reset(&mut self, owner: &str, ids: &[String]) {
-        if let Some(values) = self.session.settings.get_mut(owner) {
+        if let Some(values) = self.session.panes.active.settings.get_mut(owner) {
             values.retain(|id, _| !ids.contains(id));
         }
     }
@@ -133,7 +133,13 @@ impl App {
             taken,
             refused,
         } = presets::fit(&shared, &to);
-        let own = self.session.settings.entry(renderer).or_default();
+        let own = self
+            .session
+            .panes
+            .active
+            .settings
+            .entry(renderer)
+            .or_default();
         own.retain(|id, _| !taken.contains(id));
         own.extend(values);
         let title = self.rows.renderer(source);

@@ -86,23 +86,25 @@ impl App {
             }
         };
         let camera = record.camera();
-        self.session.near = NearClipping::of(&camera);
+        self.session.panes.active.near = NearClipping::of(&camera);
         let around = self.surroundings();
         self.navigator
-            .fly_to(&mut self.session.camera, camera, &around);
+            .fly_to(&mut self.session.panes.active.camera, camera, &around);
     }
 
     /// The present view.
     pub(in crate::window) fn view_record(&self) -> ViewRecord {
         let [width, height] = self
+            .screens
+            .active
             .viewport
             .map_or([1280, 720], |viewport| viewport.size_px);
-        ViewRecord::new(self.session.camera, width, height)
+        ViewRecord::new(self.session.panes.active.camera, width, height)
     }
 
     /// The picture on the screen, small; empty if there is none.
     fn thumbnail(&self) -> Vec<u8> {
-        let shown = self.shown.as_deref();
+        let shown = self.screens.active.shown.as_deref();
         shown.map_or_else(Vec::new, |shown| thumbnail::encode(&shown.picture))
     }
 }

@@ -3,6 +3,7 @@
 //! UI functions only push intents; `apply` carries them out, one file an area there too.
 
 mod camera;
+mod compare;
 mod edit;
 mod export;
 mod file;
@@ -16,6 +17,7 @@ mod views;
 mod window;
 
 pub(crate) use camera::CameraIntent;
+pub(crate) use compare::{CompareIntent, ComparePart};
 pub(crate) use edit::EditIntent;
 pub(crate) use export::{Backdrop, ExportIntent, ImageFile, Replace};
 pub(crate) use file::{FileIntent, OpenMode, Overwrite};
@@ -39,6 +41,8 @@ pub(crate) enum Intent {
     Renderer(RendererIntent),
     /// The eye.
     Camera(CameraIntent),
+    /// Views beside each other.
+    Compare(CompareIntent),
     /// Stored views.
     Views(ViewsIntent),
     /// Lights and material.
@@ -65,6 +69,12 @@ impl Intents {
     /// Nothing asked for yet.
     pub(crate) fn new() -> Self {
         Self::default()
+    }
+
+    /// Asks for something before what was asked for since `index`.
+    pub(crate) fn insert(&mut self, index: usize, intent: impl Into<Intent>) {
+        let index = index.min(self.0.len());
+        self.0.insert(index, intent.into());
     }
 
     /// Asks for one more thing.
@@ -106,6 +116,7 @@ areas! {
     Edit(EditIntent),
     Renderer(RendererIntent),
     Camera(CameraIntent),
+    Compare(CompareIntent),
     Views(ViewsIntent),
     Light(LightIntent),
     View(ViewIntent),

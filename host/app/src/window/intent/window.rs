@@ -51,6 +51,8 @@ pub(crate) enum Tab {
     Lighting,
     /// Camera, background, what is shown.
     View,
+    /// Views beside each other.
+    Compare,
     /// The objects.
     Scene,
     /// The plugins found.

@@ -4,6 +4,7 @@
 //! written by hand.
 
 pub(super) mod camera;
+pub(super) mod compare;
 pub(super) mod lighting;
 mod material;
 pub(super) mod pacing;
@@ -22,10 +23,11 @@ mod tests;
 use super::intent::{Intents, Tab, WindowIntent};
 
 /// The tabs with their names, in order.
-const TABS: [(Tab, &str); 5] = [
+const TABS: [(Tab, &str); 6] = [
     (Tab::Renderer, "Renderer"),
     (Tab::Lighting, "Lighting"),
     (Tab::View, "View"),
+    (Tab::Compare, "Compare"),
     (Tab::Scene, "Scene"),
     (Tab::Plugins, "Plugins"),
 ];

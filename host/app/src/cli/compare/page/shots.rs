@@ -6,14 +6,12 @@ use std::path::{Path, PathBuf};
 
 use pointstage_engine::frame::legend::{Legend, Scale, legend};
 use pointstage_engine::metrics::difference::AMPLIFICATION;
+use pointstage_engine::metrics::flip::MAGMA;
 
 use super::embed::{Kind, Pictures};
 use super::{html, reference_name};
 use crate::cli::compare::report::{MeasuredBy, RendererReport, Report, ViewReport};
 use crate::cli::compare::targets::Targets;
-
-/// Stops of the map of FLIP's errors, *magma*, from 0 to 1.
-const MAGMA: &str = "#000004,#1c1044,#4f127b,#812581,#b5367a,#e55064,#fb8761,#fec287,#fcfdbf";
 
 /// The files that the page shows: the name that the report has for each, where it is, and what it shows.
 pub(super) fn files(report: &Report, folder: &Path) -> Vec<(String, PathBuf, Kind)> {
@@ -96,7 +94,11 @@ impl Place<'_> {
             );
         }
         if renderers.iter().any(|row| row.found.files.flip.is_some()) {
-            let ramp = ramp(MAGMA, ["0, no difference to be seen", "1, the greatest"]);
+            let stops = MAGMA.map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}"));
+            let ramp = ramp(
+                &stops.join(","),
+                ["0, no difference to be seen", "1, the greatest"],
+            );
             html += &row_head(
                 "FLIP: how visible the difference from the reference is",
                 &ramp,

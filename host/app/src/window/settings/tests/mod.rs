@@ -53,8 +53,12 @@ fn every_kind() -> Vec<SettingSchema> {
 fn renderer(id: &str, title: &str) -> RendererRow {
     RendererRow {
         id: id.into(),
+        alias: id.into(),
         title: title.into(),
+        version: "1.0.0".into(),
         about: String::new(),
+        needs: String::new(),
+        gives: pointstage_plugin_api::manifest::Gives::default(),
         obstacle: None,
         refines: false,
         settings: Vec::new(),
