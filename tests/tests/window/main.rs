@@ -1,6 +1,7 @@
 //! The window on a virtual display, used as a person uses it: found by what it says, clicked, typed to, dropped on.
 
 mod camera;
+mod compare;
 mod desk;
 mod guide;
 mod hand_over;

@@ -11,7 +11,7 @@ use super::desk::{Desk, POINTS, coloured, same};
 
 impl Desk {
     /// Saves the session by a typed path.
-    fn save_session(&mut self, path: &Path) -> Result<()> {
+    pub(super) fn save_session(&mut self, path: &Path) -> Result<()> {
         self.window.press_keys("ctrl+shift+s")?;
         self.window.find("TextInput", "Path of the session file:")?;
         self.window.press_keys("ctrl+a")?;
@@ -35,7 +35,7 @@ impl Desk {
     }
 
     /// Opens the window of the same program again.
-    fn again(program: Program, arguments: &[&OsStr]) -> Result<Self> {
+    pub(super) fn again(program: Program, arguments: &[&OsStr]) -> Result<Self> {
         // What the last window showed must not be taken for what this one does.
         std::fs::remove_file(program.home().join("ui_state.json"))?;
         Self::open(program, arguments)?.context("there was a display before")

@@ -14,6 +14,7 @@ use pointstage_scene::ViewRecord;
 use serde_json::{Map, Value, json};
 
 use super::app::App;
+use super::comparison::Numbers;
 use crate::output::whole_file;
 
 /// The environment variable that names the file.
@@ -173,6 +174,32 @@ impl App {
         }
     }
 
+    /// Each view beside the others: what draws it, its picture, and how far that is from the reference.
+    fn panes_state(&self) -> Vec<Value> {
+        let views = self.session.panes.iter().zip(self.screens.iter());
+        let state = views.enumerate().map(|(index, (pane, screen))| {
+            let shown = screen.shown.as_deref();
+            let size_px = screen.viewport.map_or([0; 2], |viewport| viewport.size_px);
+            let unmet = super::comparison::unmet(&self.session, &self.rows, index);
+            let unmet: Vec<String> = unmet.into_iter().map(|unmet| unmet.0).collect();
+            json!({
+                "renderer": pane.renderer,
+                "settings": pane.settings_of(&pane.renderer),
+                "drawn_by": shown.map(|shown| &shown.drawn_by),
+                "picture_px": shown.map(|shown| shown.picture.size_px),
+                "rect": screen.viewport.map(|viewport| {
+                    let rect = viewport.rect;
+                    [rect.left(), rect.top(), rect.right(), rect.bottom()]
+                }),
+                "view": ViewRecord::new(pane.camera, size_px[0], size_px[1]),
+                "scene_bytes": shown.map(|shown| shown.stats.scene_bytes),
+                "unmet": unmet,
+                "numbers": self.comparing.numbers(screen.shown.as_ref()).map(Numbers::in_words),
+            })
+        });
+        state.collect()
+    }
+
     fn state(&self, is_settled: bool) -> Value {
         let session = &self.session;
         let shown = self.screens.active.shown.as_deref();
@@ -222,6 +249,18 @@ impl App {
             "flight": self.navigator.is_flight(),
             "flying": self.is_flying(),
             "turntable": session.navigation.turntable,
+            "panes": self.panes_state(),
+            "comparison": {
+                "linked": session.comparison.is_linked,
+                "fair": session.comparison.is_locked,
+                "layout": session.comparison.way.key(),
+                "against": session.comparison.against,
+                "split": session.comparison.split,
+                "wipe": self.comparing.wipe,
+                "zoom": self.comparing.zoom.map(|zoom| zoom.factor),
+                "active": session.panes.active_index(),
+                "difference": self.comparing.difference.is_some(),
+            },
             "views": {
                 "slots": session.views.slots.iter().map(Option::is_some).collect::<Vec<_>>(),
                 "named": session.views.named.iter().map(|view| &view.name).collect::<Vec<_>>(),

@@ -9,8 +9,8 @@ use super::app::App;
 use super::canvas;
 use super::comparison::zoom::{paint_cross, paint_values, part_of};
 use super::comparison::{
-    Cell, Numbers, Way, borders, cells, pixels_ui, split_at, sweep_ui, times_ui, unmet, why_rows,
-    wipe_handle_ui,
+    Cell, Measure, Numbers, Way, borders, cells, pixels_ui, split_at, sweep_ui, times_ui, unmet,
+    why_rows, wipe_handle_ui,
 };
 use super::gizmo::gizmo_ui;
 use super::intent::{CompareIntent, ComparePart, Intents};
@@ -186,6 +186,8 @@ impl App {
 
     /// Two views in one place. Gestures turn the active one's camera.
     fn pair_ui(&mut self, ui: &mut Ui, whole: Rect, pair: [usize; 2], out: &mut Intents) {
+        ui.painter()
+            .rect_filled(whole, 0.0, ui.visuals().panel_fill);
         let heads = pair_heads(whole);
         for (head, index) in heads.into_iter().zip(pair) {
             self.head_ui(ui, head, index, out);
@@ -234,7 +236,7 @@ impl App {
                 let rest = (turn + 1.0) * period - time;
                 ui.ctx().request_repaint_after_secs(rest.max(0.001) as f32);
             }
-            Way::Difference(_) => self.difference_ui(&ui, view, pair, now),
+            Way::Difference(measure) => self.difference_ui(&ui, view, pair, measure, now),
         }
         if self.session.navigation.gizmo {
             gizmo_ui(&mut ui, view, &self.gizmo(), out);
@@ -252,11 +254,18 @@ impl App {
     }
 
     /// The difference, or why there is none yet.
-    fn difference_ui(&mut self, ui: &Ui, view: Rect, pair: [usize; 2], now: Instant) {
+    fn difference_ui(
+        &mut self,
+        ui: &Ui,
+        view: Rect,
+        pair: [usize; 2],
+        measure: Measure,
+        now: Instant,
+    ) {
         let of = |index: usize| self.screens.get(index)?.shown.as_ref();
         let is_of_these = self.comparing.answer.as_ref().is_some_and(|answer| {
             let shown = pair.map(of);
-            answer.is_of(shown[0], shown[1])
+            answer.is_of(measure, shown[0], shown[1])
         });
         let difference = self.comparing.difference.as_ref();
         match difference.filter(|_| is_of_these) {
@@ -371,7 +380,7 @@ impl App {
         let text = if is_reference && comparison.measures {
             "reference".to_owned()
         } else {
-            numbers.map(numbers_in_words).unwrap_or_default()
+            numbers.map(Numbers::in_words).unwrap_or_default()
         };
         let label = ui.add(egui::Label::new(text).truncate());
         ui.ctx().accesskit_node_builder(label.id, |node| {
@@ -411,20 +420,24 @@ impl App {
     /// Panels about the views, over them.
     pub(super) fn compare_panels_ui(&mut self, ctx: &egui::Context, over: Rect, out: &mut Intents) {
         let panels = self.comparing.panels;
+        let count = self.visible_views().len() as f32;
         let panel = |title: &str,
                      part: ComparePart,
-                     offset: f32,
+                     column_width: f32,
                      out: &mut Intents,
                      add: &mut dyn FnMut(&mut Ui)| {
             let mut is_open = true;
+            let width = (110.0 + count * column_width).min(over.width() - 40.0);
             egui::Window::new(title)
                 .open(&mut is_open)
-                .default_pos(over.left_bottom() + vec2(16.0 + offset, -16.0))
-                .pivot(egui::Align2::LEFT_BOTTOM)
+                .default_pos(over.left_top() + vec2(16.0, 40.0))
+                .default_width(width)
+                .constrain_to(ctx.content_rect())
                 .collapsible(false)
                 .show(ctx, |ui| {
                     egui::ScrollArea::both()
-                        .max_height((over.height() - 80.0).max(120.0))
+                        .auto_shrink([false, true])
+                        .max_height((over.height() - 120.0).max(120.0))
                         .show(ui, |ui| add(ui));
                 });
             if !is_open {
@@ -444,7 +457,7 @@ impl App {
             );
         }
         if panels.times {
-            panel("Frame times", ComparePart::Times, 30.0, out, &mut |ui| {
+            panel("Frame times", ComparePart::Times, 300.0, out, &mut |ui| {
                 let now = Instant::now();
                 ui.horizontal_top(|ui| {
                     for index in &visible {
@@ -459,7 +472,7 @@ impl App {
             });
         }
         if panels.pixels {
-            panel("Pixels", ComparePart::Pixels, 60.0, out, &mut |ui| {
+            panel("Pixels", ComparePart::Pixels, 190.0, out, &mut |ui| {
                 let places: Vec<_> = visible
                     .iter()
                     .filter_map(|index| {
@@ -523,30 +536,4 @@ fn seen_background(screen: &Screen, background: Background) -> Background {
 fn pair_heads(whole: Rect) -> [Rect; 2] {
     let places = cells(whole, 2, [0.5; 2]);
     [places[0].head, places[1].head]
-}
-
-/// The whole picture's numbers, shortly.
-fn numbers_in_words(numbers: &Numbers) -> String {
-    let measured = match numbers {
-        Numbers::Measured(measured) => measured,
-        Numbers::Not(reason) => return reason.clone(),
-    };
-    if measured.whole.identical {
-        return "identical".to_owned();
-    }
-    let mut parts = Vec::new();
-    parts.extend(
-        measured
-            .whole
-            .psnr_db
-            .map(|psnr| format!("PSNR {psnr:.1} dB")),
-    );
-    parts.extend(measured.whole.ssim.map(|ssim| format!("SSIM {ssim:.4}")));
-    parts.extend(
-        measured
-            .whole
-            .flip_mean
-            .map(|flip| format!("FLIP {flip:.4}")),
-    );
-    parts.join("  ")
 }

@@ -45,7 +45,7 @@ fn counts(app: &App) -> Vec<Action> {
             let id = format!("compare.views.{count}");
             Action::new(id, title, place, CompareIntent::Count(count))
                 .on(app.session.panes.count() == count)
-                .keys(COMMAND_SHIFT, key)
+                .keys(Modifiers::ALT, key)
         })
         .collect()
 }

@@ -44,6 +44,25 @@ pub(crate) enum Numbers {
     Not(String),
 }
 
+impl Numbers {
+    /// The whole picture's numbers, shortly.
+    pub(crate) fn in_words(&self) -> String {
+        let measured = match self {
+            Self::Measured(measured) => measured,
+            Self::Not(reason) => return reason.clone(),
+        };
+        let whole = &measured.whole;
+        if whole.identical {
+            return "identical".to_owned();
+        }
+        let mut parts = Vec::new();
+        parts.extend(whole.psnr_db.map(|psnr| format!("PSNR {psnr:.1} dB")));
+        parts.extend(whole.ssim.map(|ssim| format!("SSIM {ssim:.4}")));
+        parts.extend(whole.flip_mean.map(|flip| format!("FLIP {flip:.4}")));
+        parts.join("  ")
+    }
+}
+
 impl Order {
     /// Whether the same pictures are to be measured in the same way.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
@@ -86,9 +105,10 @@ impl Answer {
         self.numbers.get(index)?.as_ref()
     }
 
-    /// Whether its difference is that of these two pictures.
+    /// Whether its difference is that of these two pictures, measured so.
     pub(crate) fn is_of(
         &self,
+        measure: Measure,
         reference: Option<&Arc<FrameResult>>,
         view: Option<&Arc<FrameResult>>,
     ) -> bool {
@@ -97,7 +117,10 @@ impl Answer {
             own.zip(other)
                 .is_some_and(|(own, other)| Arc::ptr_eq(own, other))
         };
-        let differing = self.order.difference.map(|(index, _)| index);
+        let difference = self.order.difference;
+        let differing = difference
+            .filter(|(_, own)| *own == measure)
+            .map(|(index, _)| index);
         is(at(self.order.reference), reference) && is(differing.and_then(at), view)
     }
 }

@@ -247,6 +247,8 @@ impl App {
                 ctx.load_texture("difference", image.clone(), options)
             });
             self.comparing.answer = Some(answer);
+            // It came too late to be shown in this pass.
+            ctx.request_repaint();
         }
         let Some(order) = self.order() else { return };
         let is_known = self

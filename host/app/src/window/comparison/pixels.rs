@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Grid, ScrollArea, Sense, Ui, vec2};
+use egui::{Color32, Grid, Sense, Ui, vec2};
 use pointstage_engine::stage::FrameResult;
 use pointstage_scene::Scene;
 
@@ -10,7 +10,7 @@ use super::super::facts::{facts_at, target_values};
 
 /// One view at the place.
 pub(crate) struct Place<'a> {
-    /// Its renderer's name.
+    /// Its number and its renderer's name.
     pub(crate) title: String,
     /// Its picture.
     pub(crate) shown: Option<&'a Arc<FrameResult>>,
@@ -48,47 +48,45 @@ pub(crate) fn pixels_ui(
         .map(|place| found(place.shown?, scene, at))
         .collect();
     let names = names(&found);
-    ScrollArea::both().max_height(380.0).show(ui, |ui| {
-        let columns = places.len() + 1;
-        let grid = Grid::new("pixels").num_columns(columns).striped(true);
-        grid.show(ui, |ui| {
-            ui.label("");
-            for (number, place) in places.iter().enumerate() {
-                ui.strong(format!("{}  {}", number + 1, place.title));
-            }
-            ui.end_row();
-            ui.label("pixel");
-            for found in &found {
-                let text = found
-                    .as_ref()
-                    .map(|found| format!("{}, {}", found.pixel[0], found.pixel[1]));
-                ui.monospace(text.unwrap_or_default());
-            }
-            ui.end_row();
-            ui.label("colour");
-            for found in &found {
-                match found {
-                    Some(found) => colour_ui(ui, found.rgba),
-                    None => {
-                        ui.weak("no picture yet");
-                    }
+    let columns = places.len() + 1;
+    let grid = Grid::new("pixels").num_columns(columns).striped(true);
+    grid.show(ui, |ui| {
+        ui.label("");
+        for place in places {
+            ui.strong(&place.title);
+        }
+        ui.end_row();
+        ui.label("pixel");
+        for found in &found {
+            let text = found
+                .as_ref()
+                .map(|found| format!("{}, {}", found.pixel[0], found.pixel[1]));
+            ui.monospace(text.unwrap_or_default());
+        }
+        ui.end_row();
+        ui.label("colour");
+        for found in &found {
+            match found {
+                Some(found) => colour_ui(ui, found.rgba),
+                None => {
+                    ui.weak("no picture yet");
                 }
             }
-            ui.end_row();
-            for name in names {
-                ui.label(&name);
-                let values: Vec<Option<&str>> = found
-                    .iter()
-                    .map(|found| found.as_ref().and_then(|found| value_of(found, &name)))
-                    .collect();
-                let differ = values.windows(2).any(|pair| pair[0] != pair[1]);
-                for value in values {
-                    let text = egui::RichText::new(value.unwrap_or("–")).monospace();
-                    ui.label(if differ { text.strong() } else { text });
-                }
-                ui.end_row();
+        }
+        ui.end_row();
+        for name in names {
+            ui.label(&name);
+            let values: Vec<Option<&str>> = found
+                .iter()
+                .map(|found| found.as_ref().and_then(|found| value_of(found, &name)))
+                .collect();
+            let differ = values.windows(2).any(|pair| pair[0] != pair[1]);
+            for value in values {
+                let text = egui::RichText::new(value.unwrap_or("–")).monospace();
+                ui.label(if differ { text.strong() } else { text });
             }
-        });
+            ui.end_row();
+        }
     });
 }
 

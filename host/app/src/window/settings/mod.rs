@@ -48,6 +48,9 @@ const LEAST_SLIDER_WIDTH: f32 = 40.0;
 pub(super) fn tabs_ui(ui: &mut egui::Ui, chosen: Tab, out: &mut Intents) {
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
+        // All of them in one row of a panel of the usual width.
+        ui.spacing_mut().item_spacing.x = 1.0;
+        ui.spacing_mut().button_padding.x = 5.0;
         for (tab, name) in TABS {
             let label = ui.selectable_label(tab == chosen, name);
             ui.ctx()
