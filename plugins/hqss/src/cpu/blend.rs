@@ -65,7 +65,8 @@ pub(super) fn blend(
         .zip(fronts.chunks_mut(LANES));
     let mut across = 0.0;
     for ((nearest, sums), fronts) in groups {
-        let depth = depth.at(across) * factor - less;
+        let own_depth = depth.at(across);
+        let depth = own_depth * factor - less;
         let visible = if let [first, second, third, fourth] = *nearest {
             [first, second, third, fourth]
         } else {
@@ -78,15 +79,7 @@ pub(super) fn blend(
         };
         let is_seen = depth.cmpge(Vec4::from_array(visible.map(depth_of)))
             & depth.cmpgt(Vec4::ZERO)
-            & depth.cmple(Vec4::ONE);
-        if depth.cmpgt(Vec4::ONE).any() {
-            // Pushed, it may be behind the near plane and the visible one all the same.
-            for (front, visible) in fronts.iter_mut().zip(visible) {
-                if id_of(visible) == splat.id {
-                    *front = place;
-                }
-            }
-        }
+            & own_depth.cmple(Vec4::ONE);
         let seen = is_seen.bitmask();
         if seen != 0 {
             let attributes = attributes.get_or_insert_with(|| Attributes::of(splat, footprints));

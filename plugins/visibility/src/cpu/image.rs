@@ -171,7 +171,7 @@ impl Image {
     /// Offers the ellipse's pixels in an area to a band.
     ///
     /// * `seen_squared`: up to this |uv|² it is seen.
-    /// * `push`: a factor on depth, and what is taken from it then.
+    /// * `push`: a factor on depth, and what is taken from it then; what lies before the near plane stays hidden all the same.
     #[inline]
     pub fn offer(
         &self,
@@ -194,12 +194,13 @@ impl Image {
             let mut across = first;
             for pixels in pixels.chunks_mut(LANES) {
                 let [u, v, one] = [u.at(across), v.at(across), one.at(across)];
-                let depth = depth.at(across) * factor - less;
+                let own_depth = depth.at(across);
+                let depth = own_depth * factor - less;
                 across += LANES as f32;
                 let is_covered = one.cmpgt(Vec4::ZERO)
                     & (u * u + v * v).cmple(seen_squared * one * one)
                     & depth.cmpgt(Vec4::ZERO)
-                    & depth.cmple(Vec4::ONE);
+                    & own_depth.cmple(Vec4::ONE);
                 let covered = is_covered.bitmask();
                 if covered == 0 {
                     continue;
