@@ -15,6 +15,10 @@ use pointstage_plugin_api::wgsl::Module;
 /// Varying::Linear:  fn footprint_linear(footprint, pixel) -> vec3f,  fn linear_covers(linear: vec3f) -> bool
 /// Varying::Both:    both functions of footprints, and              fn both_cover(flat, linear, depth: f32) -> bool
 /// ```
+///
+/// A footprint whose renderer cuts surfels off at clip lines ([`crate::Prepared::clipped_by`]) knows the feature `clipped`: its
+/// linear numbers are (u, v, 1) / w, a member `clip: lib::clip::ClipLines` of `Footprint` is in their units, taken from
+/// `@group(2) @binding(1) var<storage, read>`, and `footprint_covers` heeds it.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint {
     /// The renderer's name, for labels.
