@@ -4,9 +4,10 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 use pointstage_engine::stage::{FrameResult, SettingValue, Stage};
 use pointstage_scene::{Camera, Projection, Scene};
+use pointstage_tests::models::{ball, object};
 use pointstage_tests::shots::{
     SIZE_PX, Setting, all_paths, blended, choice, floats, loaded, orthographic, perspective, psnr,
     request, scene_of, stage, uints,
@@ -328,6 +329,58 @@ fn opaque_surfels_with_clip_lines_end_where_the_shape_does() {
                 assert_eq!(after, 0, "wrong pixels, {what}");
             }
             assert_paths_agree(&what, &with);
+        }
+    }
+}
+
+#[test]
+fn objects_without_lines_stay_whole_beside_one_with() {
+    let Some(mut stage) = stage() else { return };
+    let [camera, _] = cameras();
+    // In front of the cube, on both sides of it in the list of objects.
+    let ball = |name: &str, seed: u64, shift: DVec3| {
+        let mut object = object(name, &ball(3_000, 0.08, seed));
+        object.world_from_object =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(0.25), DQuat::IDENTITY, shift);
+        object
+    };
+    let balls = [
+        ball("first", 1, DVec3::new(1.6, 1.2, 1.4)),
+        ball("last", 2, DVec3::new(1.1, 1.3, 2.0)),
+    ];
+    let cube = scene(&cube(), true).objects()[0].clone();
+    let [first, last] = balls.clone();
+    let [alone, beside] = [
+        [first.clone(), last.clone()].to_vec(),
+        vec![first, cube, last],
+    ]
+    .map(|objects| {
+        let mut scene = Scene::new();
+        for object in objects {
+            scene.add(object);
+        }
+        Arc::new(scene)
+    });
+    for renderer in ["hqss", "surfel"] {
+        let mut draw = |scene| {
+            let request = request(scene, camera, renderer, &[]);
+            all_paths(&mut stage, &request)
+        };
+        let (alone, beside) = (draw(&alone), draw(&beside));
+        assert_paths_agree(renderer, &beside);
+        for (alone, beside) in alone.iter().zip(&beside) {
+            let [alone, beside] = [alone, beside].map(|result| floats(result, "depth"));
+            let pixels = alone.iter().zip(&beside);
+            let of_balls: Vec<_> = pixels.filter(|(depth, _)| **depth > 0.0).collect();
+            assert!(of_balls.len() > 1_000, "{} pixels", of_balls.len());
+            let apart = of_balls
+                .iter()
+                .filter(|(alone, beside)| alone != beside)
+                .count();
+            assert_eq!(
+                apart, 0,
+                "pixels of the balls have another depth, {renderer}"
+            );
         }
     }
 }
