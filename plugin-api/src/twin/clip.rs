@@ -49,12 +49,14 @@ fn clip_line_distance(line: DVec3, [uv1, uv1_x, uv1_y]: [DVec3; 3]) -> f64 {
 ///
 /// * `uv1`: of the pixel, and how it changes with x and y.
 pub fn clip_distance(lines: &ClipLines, uv1: [DVec3; 3]) -> f64 {
-    // Behind the eye is no part of it.
-    if !(uv1[0].z > 0.0) {
-        return -FAR_PX;
+    if uv1[0].z > 0.0 {
+        let [first, second] =
+            [lines.first, lines.second].map(|its| clip_line_distance(line(its), uv1));
+        clip_joined(lines.is_union, first, second)
+    } else {
+        // Behind the eye is no part of it.
+        -FAR_PX
     }
-    let [first, second] = [lines.first, lines.second].map(|its| clip_line_distance(line(its), uv1));
-    clip_joined(lines.is_union, first, second)
 }
 
 #[cfg(test)]

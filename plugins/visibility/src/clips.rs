@@ -4,9 +4,10 @@
 //! so that the rest costs what it would without them.
 
 use crate::draws::{DrawItem, DrawList};
+use crate::pipelines::Prepared;
 use pointstage_plugin_api::abi::BufferUsage;
 use pointstage_plugin_api::clip::{ClipColumns, ClipLines};
-use pointstage_plugin_api::gpu::{BindGroup, Buffer, Gpu};
+use pointstage_plugin_api::gpu::{BindGroup, BindGroupLayout, Buffer, Gpu};
 use pointstage_plugin_api::{Block, Result, Scene};
 use std::sync::Arc;
 
@@ -100,6 +101,26 @@ impl ClippedBlock {
 fn key_of(block: Block<'_>, columns: &ClipColumns<'_>) -> (usize, u64) {
     let address = block.position_radius().as_ptr().addr();
     (address, columns.revision())
+}
+
+impl Prepared {
+    /// The same with the scene's clip lines, for a footprint that knows the feature [`CLIPPED`].
+    ///
+    /// # Errors
+    /// If the device refuses a buffer.
+    pub fn clipped_by(mut self, scene: Scene<'_>) -> Result<Self> {
+        self.clips = Clips::of(&self.gpu, scene)?;
+        Ok(self)
+    }
+
+    /// The layout of group 2 of visibility for shaders with these features.
+    pub fn footprint_layout_for(&self, features: &[&'static str]) -> &BindGroupLayout {
+        if features.contains(&CLIPPED) {
+            &self.clipped_layout
+        } else {
+            &self.footprint_layout
+        }
+    }
 }
 
 impl<T> Variants<T> {

@@ -1,6 +1,6 @@
 //! What all views of a renderer share: layouts, the quads' index buffer, and pipelines, each made when it is first needed.
 
-use crate::clips::{CLIPPED, Clips};
+use crate::clips::Clips;
 use crate::footprint::{Footprint, Varying};
 use crate::targets::TargetSet;
 use pointstage_plugin_api::abi::{BufferUsage, Compare, Format, ShaderStages};
@@ -9,7 +9,7 @@ use pointstage_plugin_api::gpu::{
     DepthTest, Gpu, RenderPipeline, RenderPipelineOptions, Shader,
 };
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
-use pointstage_plugin_api::{Error, Result, Scene};
+use pointstage_plugin_api::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -154,24 +154,6 @@ impl Prepared {
             compute: Mutex::default(),
             shading: Mutex::default(),
         })
-    }
-
-    /// The same with the scene's clip lines, for a footprint that knows the feature [`CLIPPED`].
-    ///
-    /// # Errors
-    /// If the device refuses a buffer.
-    pub fn clipped_by(mut self, scene: Scene<'_>) -> Result<Self> {
-        self.clips = Clips::of(&self.gpu, scene)?;
-        Ok(self)
-    }
-
-    /// The layout of group 2 of visibility for shaders with these features.
-    pub fn footprint_layout_for(&self, features: &[&'static str]) -> &BindGroupLayout {
-        if features.contains(&CLIPPED) {
-            &self.clipped_layout
-        } else {
-            &self.footprint_layout
-        }
     }
 
     /// The raster path's visibility pipeline, with or without a level target.

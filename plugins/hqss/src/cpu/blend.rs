@@ -26,6 +26,7 @@ pub(super) struct Attributes {
 }
 
 /// Shares of four pixels.
+#[derive(Clone, Copy)]
 struct Shares {
     weight: Vec4,
     coverage: Vec4,
