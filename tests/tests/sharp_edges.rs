@@ -1,189 +1,21 @@
 //! Surfels with clip lines end at sharp edges: a cube and a plate with an inner corner, of large disks that stick out without their
 //! lines, against rays cast on the shapes themselves.
 
-use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3};
 use pointstage_engine::stage::{FrameResult, SettingValue, Stage};
 use pointstage_scene::{Camera, Projection, Scene};
 use pointstage_tests::models::{ball, object};
+use pointstage_tests::sharp::{COLOURS, Shape, cube, plate, scene};
 use pointstage_tests::shots::{
-    SIZE_PX, Setting, all_paths, blended, choice, floats, loaded, orthographic, perspective, psnr,
-    request, scene_of, stage, uints,
+    SIZE_PX, Setting, all_paths, blended, choice, floats, orthographic, perspective, psnr, request,
+    stage, uints,
 };
-
-/// A surfel of a file with clip columns.
-struct Sharp {
-    centre: Vec3,
-    axes: [Vec3; 2],
-    colour: [u8; 3],
-    lines: [[f32; 3]; 2],
-    is_union: bool,
-}
-
-/// A shape of flat faces.
-struct Shape {
-    name: &'static str,
-    surfels: Vec<Sharp>,
-    /// So many surfels lie in each face.
-    surfels_a_face: u32,
-    /// The face that a ray (origin, direction) meets.
-    face_met: fn(DVec3, DVec3) -> Option<u32>,
-}
-
-/// Linear red, green and blue are 0 or 1, so that packing loses nothing.
-const COLOURS: [[u8; 3]; 6] = [
-    [255, 0, 0],
-    [0, 255, 0],
-    [0, 0, 255],
-    [255, 255, 0],
-    [0, 255, 255],
-    [255, 0, 255],
-];
 
 /// Pixels no nearer to an edge show what is on their side of it. Half a pixel from a single edge; two that meet at an acute corner
 /// cover a little beyond it.
 const EDGE_PX: f64 = 1.5;
-
-/// The line that leaves what lies on the side of `edge` (in the plane's coordinate `axis`) towards which `sign` is negative.
-fn line_at(axis: usize, sign: f32, edge: f32, centre: f32, half_axis: f32) -> [f32; 3] {
-    let mut line = [0.0, 0.0, sign * (edge - centre)];
-    line[axis] = -sign * half_axis;
-    line
-}
-
-/// Lines at those edges of the square -1..1 that an ellipse round `centre` reaches.
-fn square_lines(centre: [f32; 2], half_axes: [f32; 2]) -> Vec<[f32; 3]> {
-    let mut lines = Vec::new();
-    for axis in [0, 1] {
-        for sign in [-1.0, 1.0] {
-            if 1.0 - sign * centre[axis] < half_axes[axis] {
-                lines.push(line_at(axis, sign, sign, centre[axis], half_axes[axis]));
-            }
-        }
-    }
-    lines
-}
-
-fn both(lines: &[[f32; 3]]) -> [[f32; 3]; 2] {
-    assert!(lines.len() <= 2, "a surfel has two lines at most");
-    [0, 1].map(|place| lines.get(place).copied().unwrap_or_default())
-}
-
-/// The cube -1..1 of sixteen ellipses a face.
-fn cube() -> Shape {
-    let mut surfels = Vec::new();
-    for face in 0..6 {
-        let axis = face / 2;
-        let normal = Vec3::AXES[axis] * if face % 2 == 0 { 1.0 } else { -1.0 };
-        let u = Vec3::AXES[(axis + 1) % 3];
-        let v = normal.cross(u);
-        let half_axes = [0.5, 0.42];
-        for cell in 0..16_u8 {
-            let at = [cell % 4, cell / 4].map(|cell| f32::from(cell) * 0.5 - 0.75);
-            surfels.push(Sharp {
-                centre: normal + u * at[0] + v * at[1],
-                axes: [u * half_axes[0], v * half_axes[1]],
-                colour: COLOURS[face],
-                lines: both(&square_lines(at, half_axes)),
-                is_union: false,
-            });
-        }
-    }
-    Shape {
-        name: "cube",
-        surfels,
-        surfels_a_face: 16,
-        face_met: |origin, direction| {
-            let [low, high] = [-1.0, 1.0].map(|side| (DVec3::splat(side) - origin) / direction);
-            let (enter, leave) = (low.min(high).max_element(), low.max(high).min_element());
-            let axis = low.min(high).max_position();
-            let is_lower = direction[axis] > 0.0;
-            (enter <= leave).then_some(2 * axis as u32 + u32::from(is_lower))
-        },
-    }
-}
-
-/// The square -1..1 of the plane z = 0 without the quarter where x and y are positive.
-fn plate() -> Shape {
-    let mut surfels = Vec::new();
-    let half_axes = [0.21, 0.19];
-    for cell in 0..64_u8 {
-        let at = [cell % 8, cell / 8].map(|cell| f32::from(cell) * 0.25 - 0.875);
-        let [x, y] = at;
-        if x > 0.0 && y > 0.0 {
-            continue;
-        }
-        let inner = |axis: usize| line_at(axis, 1.0, 0.0, at[axis], half_axes[axis]);
-        let reaches = |axis: usize| at[axis] < 0.0 && -at[axis] < half_axes[axis];
-        let mut lines = square_lines(at, half_axes);
-        let is_union = reaches(0) && reaches(1);
-        if is_union {
-            lines.extend([inner(0), inner(1)]);
-        } else if y > 0.0 && reaches(0) {
-            lines.push(inner(0));
-        } else if x > 0.0 && reaches(1) {
-            lines.push(inner(1));
-        }
-        surfels.push(Sharp {
-            centre: Vec3::new(x, y, 0.0),
-            axes: [Vec3::X * half_axes[0], Vec3::Y * half_axes[1]],
-            colour: COLOURS[0],
-            lines: both(&lines),
-            is_union,
-        });
-    }
-    Shape {
-        name: "plate",
-        surfels,
-        surfels_a_face: 64,
-        face_met: |origin, direction| {
-            let hit = origin - direction * (origin.z / direction.z);
-            let is_within = hit.x.abs() <= 1.0 && hit.y.abs() <= 1.0;
-            (is_within && !(hit.x > 0.0 && hit.y > 0.0)).then_some(0)
-        },
-    }
-}
-
-/// The shape through a PLY file, with or without its clip columns.
-fn scene(shape: &Shape, has_lines: bool) -> Arc<Scene> {
-    let mut names = "x y z nx ny nz radius ux uy uz vx vy vz".to_owned();
-    if has_lines {
-        names += " clip_a0 clip_b0 clip_c0 clip_a1 clip_b1 clip_c1";
-    }
-    let mut text = format!(
-        "ply\nformat ascii 1.0\nelement vertex {}\n",
-        shape.surfels.len()
-    );
-    for name in names.split(' ') {
-        writeln!(text, "property float {name}").expect("a string takes it");
-    }
-    text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-    text += "property uchar clip_union\nend_header\n";
-    for surfel in &shape.surfels {
-        let [u, v] = surfel.axes;
-        let normal = u.cross(v).normalize();
-        let radius = u.length().max(v.length());
-        let vectors = [surfel.centre, normal].map(|vector| vector.to_array());
-        let mut numbers = vectors.concat();
-        numbers.push(radius);
-        numbers.extend([u, v].map(|vector| vector.to_array()).concat());
-        if has_lines {
-            numbers.extend(surfel.lines.concat());
-        }
-        for number in numbers {
-            write!(text, "{number} ").expect("a string takes it");
-        }
-        let [red, green, blue] = surfel.colour;
-        let union = u8::from(surfel.is_union);
-        writeln!(text, "{red} {green} {blue} {union}").expect("a string takes it");
-    }
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join(format!("{}.ply", shape.name));
-    std::fs::write(&path, text).expect("it is written");
-    scene_of(loaded(&path))
-}
 
 /// The face that each pixel shows, none for the background; nothing near edges.
 fn truth(shape: &Shape, camera: &Camera) -> Vec<Option<Option<u32>>> {
@@ -291,7 +123,7 @@ fn blended_surfels_with_clip_lines_end_where_the_shape_does() {
         // Lines stay where they are.
         &[("splat_scale", SettingValue::Float(1.3))],
     ];
-    for shape in [cube(), plate()] {
+    for shape in [cube(4), plate()] {
         let [ragged, sharp] = [false, true].map(|has_lines| scene(&shape, has_lines));
         for camera in cameras() {
             let truth = truth(&shape, &camera);
@@ -311,9 +143,29 @@ fn blended_surfels_with_clip_lines_end_where_the_shape_does() {
 }
 
 #[test]
+fn far_away_clip_lines_leave_no_holes() {
+    let Some(mut stage) = stage() else { return };
+    let shape = cube(50);
+    let scene = scene(&shape, true);
+    let [near, _] = cameras();
+    // From there a surfel is 1.5, 0.6 and 0.3 px wide.
+    for distance in [1.5, 4.0, 8.0] {
+        let eye = near.eye * distance;
+        let camera = Camera { eye, ..near };
+        let truth = truth(&shape, &camera);
+        let inside = truth.iter().flatten().flatten().count();
+        assert!(inside > 80, "{inside} pixels at {distance}");
+        for result in unlit(&mut stage, &scene, camera, &[]) {
+            let found = wrong(&shape, &truth, &result);
+            assert_eq!(found, 0, "of {inside} pixels at {distance}");
+        }
+    }
+}
+
+#[test]
 fn opaque_surfels_with_clip_lines_end_where_the_shape_does() {
     let Some(mut stage) = stage() else { return };
-    for shape in [cube(), plate()] {
+    for shape in [cube(4), plate()] {
         let [ragged, sharp] = [false, true].map(|has_lines| scene(&shape, has_lines));
         for camera in cameras() {
             let truth = truth(&shape, &camera);
@@ -348,7 +200,7 @@ fn objects_without_lines_stay_whole_beside_one_with() {
         ball("first", 1, DVec3::new(1.6, 1.2, 1.4)),
         ball("last", 2, DVec3::new(1.1, 1.3, 2.0)),
     ];
-    let cube = scene(&cube(), true).objects()[0].clone();
+    let cube = scene(&cube(4), true).objects()[0].clone();
     let [first, last] = balls.clone();
     let [alone, beside] = [
         [first.clone(), last.clone()].to_vec(),

@@ -104,7 +104,7 @@ fn key_of(block: Block<'_>, columns: &ClipColumns<'_>) -> (usize, u64) {
 }
 
 impl Prepared {
-    /// The same with the scene's clip lines, for a footprint that knows the feature [`CLIPPED`].
+    /// The renderer with the scene's clip lines, for a footprint that knows the feature [`CLIPPED`].
     ///
     /// # Errors
     /// If the device refuses a buffer.
