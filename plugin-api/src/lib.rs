@@ -2,6 +2,7 @@
 
 pub mod abi;
 mod adapter;
+pub mod clip;
 pub mod columns;
 mod error;
 mod export;

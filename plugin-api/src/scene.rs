@@ -215,6 +215,17 @@ impl<'a> Column<'a> {
         self.record.bytes.as_slice()
     }
 
+    /// A number of a surfel, whatever its type; none beyond the content or of an unknown type. 64-bit integers lose what an f64
+    /// cannot hold.
+    pub fn number(&self, surfel: u32, component: u32) -> Option<f64> {
+        if component >= self.components() {
+            return None;
+        }
+        let place = u64::from(surfel) * u64::from(self.components()) + u64::from(component);
+        self.scalar()
+            .read_at(self.bytes(), usize::try_from(place).ok()?)
+    }
+
     /// The content on the GPU: standard columns as they are, named ones as f32 if the manifest's `needs.columns` asks.
     pub fn buffer(&self) -> Option<BufferRef> {
         BufferRef::new(self.record.buffer)

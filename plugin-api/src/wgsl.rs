@@ -64,6 +64,7 @@ macro_rules! library {
 }
 library![
     "camera",
+    "clip",
     "colour",
     "depth",
     "ellipse",

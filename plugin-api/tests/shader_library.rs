@@ -5,6 +5,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use pointstage_plugin_api::abi::{
     DrawFlags, DrawUniform, FrameUniform, LightUniform, standard_bindings,
 };
+use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::wgsl::{LIBRARY, Module, link};
 
 fn validated(what: &str, wgsl: &str) -> naga::Module {
@@ -49,10 +50,10 @@ fn every_function_of_every_module_validates() {
                 let of_type = argument.split(':').nth(1).unwrap().trim();
                 let is_struct = of_type.starts_with(char::is_uppercase);
                 let import = is_struct.then(|| {
-                    let home = if of_type == "Surfel" {
-                        "surfel"
-                    } else {
-                        "ellipse"
+                    let home = match of_type {
+                        "Surfel" => "surfel",
+                        "ClipLines" => "clip",
+                        _ => "ellipse",
                     };
                     format!("import lib::{home}::{of_type};\n")
                 });
@@ -169,6 +170,23 @@ fn uniforms_have_the_layout_of_their_records() {
             level,
             error,
             default_colour,
+        }
+    );
+}
+
+#[test]
+fn clip_lines_have_the_layout_of_their_records() {
+    let module = linked(
+        "import lib::clip::ClipLines;\n@group(2) @binding(1) var<storage, read> lines: array<ClipLines>;",
+        "sink[0] = vec4f(lines[0].second, lines[0].is_union);",
+    );
+    compare!(
+        &module,
+        ClipLines {
+            first,
+            is_union,
+            second,
+            padding
         }
     );
 }

@@ -5,6 +5,7 @@
 //! * [`render`] draws such scenes with one fixed view; [`stages`] is the engine without the program around it.
 //! * [`models`] makes scenes in memory; [`shots`] draws them with `points` and `surfel`, target by target.
 //! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
+//! * [`sharp`] makes shapes with sharp edges.
 //! * [`browser`] opens a page in a browser without a window.
 //! * [`plugins`] builds the misbehaving plugins of `tests/plugins/`.
 //! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
@@ -21,6 +22,7 @@ pub mod plugins;
 pub mod program;
 pub mod render;
 pub mod scenes;
+pub mod sharp;
 pub mod shots;
 pub mod stages;
 pub mod window;

@@ -9,8 +9,9 @@ use pointstage_plugin_api::abi::{
     BindingKind, BindingLayoutRecord, BufferUsage, DrawUniform, FrameUniform, Handle, LightUniform,
     ShaderStages,
 };
+use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::columns;
-use pointstage_plugin_api::twin::{depth, lighting};
+use pointstage_plugin_api::twin::{clip, depth, lighting};
 use pointstage_plugin_api::wgsl::{Module, link};
 use pointstage_scene::{Camera, Projection};
 
@@ -262,6 +263,41 @@ fn lighting_is_that_of_the_twin() {
             let position = DVec3::new(x, y, z - 3.0);
             let normal = DVec3::new(y, w, x).normalize();
             lighting::phong(&frame, draw.material, colour, position, normal).to_array()
+        });
+    }
+}
+
+#[test]
+fn clip_lines_are_those_of_the_twin() {
+    let Some(rig) = Rig::new(&[]) else { return };
+    let (frame, draw) = (FrameUniform::default(), DrawUniform::default());
+    let inputs = random();
+    for is_union in [false, true] {
+        let flag = f32::from(u8::from(is_union));
+        let expression = format!(
+            "vec4f(clamp(clip_distance(scaled_clip_lines(ClipLines(value.xyz, {flag:?}, value.wzx, 0.0), 1.5), \
+             vec3f(value.xy, 1.5 + 0.5 * value.z), vec3f(0.3, -0.1, 0.05), vec3f(0.1, 0.2, value.w)), -50.0, 50.0), \
+             select(0.0, 1.0, clip_keeps(ClipLines(value.xyz, {flag:?}, value.wzx, 0.0), vec3f(value.yx, 1.0))), 0.0, 0.0)"
+        );
+        let found = on_device(
+            &rig,
+            "import lib::clip::{clip_distance, clip_keeps, scaled_clip_lines, ClipLines};",
+            &expression,
+            &frame,
+            &draw,
+            &inputs,
+        );
+        assert_close(&found, &inputs, 1e-3, |[x, y, z, w]| {
+            let lines = ClipLines::new([[x, y, z], [w, z, x]], is_union);
+            let [x, y, z, w] = [x, y, z, w].map(f64::from);
+            let uv1 = [
+                DVec3::new(x, y, 1.5 + 0.5 * z),
+                DVec3::new(0.3, -0.1, 0.05),
+                DVec3::new(0.1, 0.2, w),
+            ];
+            let distance = clip::clip_distance(&clip::scaled_clip_lines(lines, 1.5), uv1);
+            let keeps = clip::clip_keeps(&lines, DVec3::new(y, x, 1.0));
+            [distance.clamp(-50.0, 50.0), f64::from(u8::from(keeps))]
         });
     }
 }

@@ -9,6 +9,28 @@ open_number! {
     ScalarType(u32) { I8 = 1, U8 = 2, I16 = 3, U16 = 4, I32 = 5, U32 = 6, F32 = 7, F64 = 8, I64 = 9, U64 = 10 }
 }
 
+impl ScalarType {
+    /// The scalar at a place in a column's content; none beyond its end or of an unknown type.
+    pub(crate) fn read_at(self, bytes: &[u8], place: usize) -> Option<f64> {
+        fn at<const N: usize>(bytes: &[u8], place: usize) -> Option<[u8; N]> {
+            bytes.get(place.checked_mul(N)?..)?.first_chunk().copied()
+        }
+        Some(match self {
+            Self::I8 => f64::from(i8::from_ne_bytes(at(bytes, place)?)),
+            Self::U8 => f64::from(u8::from_ne_bytes(at(bytes, place)?)),
+            Self::I16 => f64::from(i16::from_ne_bytes(at(bytes, place)?)),
+            Self::U16 => f64::from(u16::from_ne_bytes(at(bytes, place)?)),
+            Self::I32 => f64::from(i32::from_ne_bytes(at(bytes, place)?)),
+            Self::U32 => f64::from(u32::from_ne_bytes(at(bytes, place)?)),
+            Self::F32 => f64::from(f32::from_ne_bytes(at(bytes, place)?)),
+            Self::F64 => f64::from_ne_bytes(at(bytes, place)?),
+            Self::I64 => i64::from_ne_bytes(at(bytes, place)?) as f64,
+            Self::U64 => u64::from_ne_bytes(at(bytes, place)?) as f64,
+            _ => return None,
+        })
+    }
+}
+
 /// One column of a block (or of an object: `triangles`).
 #[repr(C)]
 #[derive(StableAbi, Clone, Copy, Debug)]

@@ -4,6 +4,7 @@
 //! The twins of `lib::octahedral` and `lib::colour` are in [`columns`](crate::columns), since loaders pack with them.
 
 pub mod camera;
+pub mod clip;
 pub mod depth;
 pub mod ellipse;
 pub mod lighting;

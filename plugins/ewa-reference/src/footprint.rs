@@ -20,8 +20,10 @@
 //!
 //! Lengths on the screen are in samples: pixels, if there is one sample in each.
 
+use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::glam::{DMat2, DVec2, DVec3, Vec3Swizzles as _};
 use pointstage_plugin_api::twin::camera::Camera;
+use pointstage_plugin_api::twin::clip::{clip_distance, clip_keeps};
 use pointstage_plugin_api::twin::ellipse::{Axes, ProjectedEllipse, project_ellipse};
 
 /// With the filter a splat is seen as if its radius were at least this.
@@ -91,6 +93,8 @@ pub(crate) struct Footprint {
     resampling: Option<Resampling>,
     /// (cutoff / sigma)².
     reach_squared: f64,
+    /// Where it is cut off, in units of the disk that ends at the cutoff.
+    lines: Option<ClipLines>,
 }
 
 /// Reversed depth at a distance from the eye's plane.
@@ -166,6 +170,7 @@ impl Footprint {
             centre: centre.filter(|_| has_filter),
             resampling: None,
             reach_squared: (kernel.cutoff / kernel.sigma).powi(2),
+            lines: None,
         };
         if let Some(filter_radius) = kernel.filter_radius {
             footprint.filter(kernel.sigma * filter_radius);
@@ -175,6 +180,14 @@ impl Footprint {
             .iter()
             .all(|bound| bound.is_finite())
             .then_some(footprint)
+    }
+
+    /// The same, cut off at lines in units of the disk that ends at the cutoff.
+    pub(crate) fn cut_off(self, lines: ClipLines) -> Self {
+        Self {
+            lines: Some(lines),
+            ..self
+        }
     }
 
     /// Convolves with the low-pass of this deviation and enlarges the bounds.
@@ -245,11 +258,31 @@ impl Footprint {
     /// Whether the splat covers at least half of the sample, or lies in it.
     pub(crate) fn covers(&self, position: DVec2) -> bool {
         let uv1 = self.uv1(position);
-        uv1.z > 0.0 && uv1.xy().length_squared() <= self.seen_squared * uv1.z * uv1.z
+        let is_left = self.lines.is_none_or(|lines| clip_keeps(&lines, uv1));
+        is_left && uv1.z > 0.0 && uv1.xy().length_squared() <= self.seen_squared * uv1.z * uv1.z
     }
 
     /// What the splat gives the sample; none if it has no part in it.
     pub(crate) fn share(&self, position: DVec2) -> Option<Share> {
+        let share = self.whole_share(position)?;
+        let Some(lines) = &self.lines else {
+            return Some(share);
+        };
+        let uv1 = self.uv1(position);
+        if !self.has_filter {
+            return clip_keeps(lines, uv1).then_some(share);
+        }
+        // The ramp across the line, as across the disk's edge.
+        let distance = clip_distance(lines, [uv1, self.uv1[1], self.uv1[2]]);
+        let left = (0.5 + distance / RAMP).clamp(0.0, 1.0);
+        (left > 0.0).then(|| Share {
+            weight: (share.weight * left).max(1e-300),
+            coverage: share.coverage.min(left),
+        })
+    }
+
+    /// The same as if no line cut it off.
+    fn whole_share(&self, position: DVec2) -> Option<Share> {
         let uv1 = self.uv1(position);
         let is_ahead = uv1.z > 0.0;
         let uv = uv1.xy() / uv1.z;

@@ -1,9 +1,11 @@
 //! What a frame draws, readable on the CPU: the selection's draws, and with triangles the meshes behind them. A *primitive* is
 //! a surfel or a triangle; its *ordinal* counts through all parts in order.
 
+use pointstage_plugin_api::clip::ClipColumns;
 use pointstage_plugin_api::columns::{NO_NORMAL, decode_colour_linear, decode_normal};
 use pointstage_plugin_api::glam::{DMat3, DMat4, DVec3, Mat4};
 use pointstage_plugin_api::twin::camera::Camera;
+use pointstage_plugin_api::twin::clip::scaled_clip_lines;
 use pointstage_plugin_api::twin::ellipse::Axes;
 use pointstage_plugin_api::{Block, Draw, DrawFlags, DrawUniform, Error, Frame, Result};
 
@@ -25,6 +27,7 @@ pub(crate) struct Surfels<'a> {
     normals: Option<&'a [u32]>,
     colours: Option<&'a [u32]>,
     axes: Option<&'a [[f32; 8]]>,
+    clips: Option<ClipColumns<'a>>,
 }
 
 /// Which primitives a part has.
@@ -104,6 +107,7 @@ impl<'a> Surfels<'a> {
             normals: whole(block.normals(), centres.len()).filter(|_| has(DrawFlags::HAS_NORMAL)),
             colours: whole(block.colours(), centres.len()).filter(|_| has(DrawFlags::HAS_COLOUR)),
             axes: whole(block.axes(), centres.len()).filter(|_| has(DrawFlags::HAS_AXES)),
+            clips: ClipColumns::of(block).filter(|_| has(DrawFlags::HAS_AXES)),
         }
     }
 
@@ -249,7 +253,12 @@ impl<'a> Parts<'a> {
         }
         let scale = self.radius_scale * self.kernel.scale;
         let axes = surfels.axes_view(number, centre, &self.camera, scale);
-        Footprint::new(&self.camera, &self.kernel, centre, axes, faces_away)
+        let footprint = Footprint::new(&self.camera, &self.kernel, centre, axes, faces_away)?;
+        let unit = (scale * self.kernel.cutoff) as f32;
+        Some(match &surfels.clips {
+            Some(clips) => footprint.cut_off(scaled_clip_lines(clips.lines(number), unit)),
+            None => footprint,
+        })
     }
 
     /// Whether the ordinal is a triangle's.

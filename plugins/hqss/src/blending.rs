@@ -10,14 +10,14 @@ use pointstage_plugin_api::gpu::{
 };
 use pointstage_plugin_api::{Error, Frame, Host, Outcome, Result, statistics};
 use pointstage_visibility::{
-    BLOCK_STRIDE, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet, Targets,
-    VisibilityView, Visible, blends_float32, picture_texture, record_kernels, record_quads,
-    rows_of,
+    BLOCK_STRIDE, CLIPPED, DrawList, Extent, KernelGroups, Path, Request, Source, TargetSet,
+    Targets, Variants, VisibilityView, Visible, blends_float32, picture_texture, record_kernels,
+    record_quads, rows_of,
 };
 
 /// Bytes of a pixel in each of the two buffers or textures of sums.
 const SUM_BYTES: u64 = 16;
-/// Storage buffers that the kernels bind at once: the columns, pixels, large surfels and two sums.
+/// Storage buffers that the kernels bind at once: the columns, pixels, large surfels and two sums; one more with clip lines.
 const STORAGE_BUFFERS: u64 = 10;
 
 /// Where the attribute pass adds.
@@ -70,13 +70,13 @@ impl BlendedView {
         wanted: &Wanted,
     ) -> Result<Outcome> {
         let gpu = &passes.visibility.gpu;
-        let mut list = DrawList::of(frame, None);
+        let mut list = DrawList::of(frame, None, &passes.visibility.clips);
         let targets = Targets::of(frame);
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
         }
         let request = Request {
-            path: self.path(gpu, wanted.path),
+            path: self.path(gpu, &list, wanted.path),
             features: &wanted.features,
             extent: Extent::Any,
             bytes_per_pixel: SUM_BYTES,
@@ -143,8 +143,10 @@ impl BlendedView {
         request: &Request<'_>,
         list: &DrawList,
     ) -> Result<Option<Visible>> {
-        let gpu = &passes.visibility.gpu;
-        let stage = self.visibility.cpu_stage(gpu, frame, request, list, false);
+        let prepared = &passes.visibility;
+        let stage = self
+            .visibility
+            .cpu_stage(prepared, frame, request, list, false);
         let Some(stage) = stage else {
             return Ok(None);
         };
@@ -183,9 +185,10 @@ impl BlendedView {
     }
 
     /// The path that the device can take: raster needs 32-bit blending, compute enough storage buffers.
-    fn path(&mut self, gpu: &Gpu, wanted: Path) -> Path {
+    fn path(&mut self, gpu: &Gpu, list: &DrawList, wanted: Path) -> Path {
         let blends = blends_float32(gpu);
-        let binds = gpu.limit("max_storage_buffers_per_shader_stage") >= Some(STORAGE_BUFFERS);
+        let binds = gpu.limit("max_storage_buffers_per_shader_stage")
+            >= Some(STORAGE_BUFFERS + u64::from(list.has_clips()));
         let (path, why) = match wanted {
             Path::Compute if !binds => (
                 Path::Raster,
@@ -318,26 +321,33 @@ impl BlendedView {
         let (Some((_, format, sums)), Some(groups)) = (&self.sums, &self.groups) else {
             return Err(missing());
         };
-        let footprint = &self.visibility.footprint_group;
+        let footprint = &self.visibility.footprint_groups;
+        let with_clip = |is_clipped: bool| {
+            let clipped = is_clipped.then_some(CLIPPED);
+            features.iter().copied().chain(clipped).collect::<Vec<_>>()
+        };
         match sums {
             Sums::Textures(sums) => {
-                let pipeline = passes.raster(features, *format)?;
+                let pipelines = Variants::of(list, |is_clipped| {
+                    passes.raster(&with_clip(is_clipped), *format)
+                })?;
                 let cleared = sums
                     .each_ref()
                     .map(|sum| Some(ColourAttachment::clear(sum, [0.0; 4])));
                 let depth = DepthAttachment::read_only(&visible.depths);
                 let mut pass = recorder.render_pass("attributes", &cleared, Some(depth));
-                pass.set_pipeline(&pipeline);
                 record_quads(
                     &mut pass,
                     &passes.visibility,
                     frame.group(),
                     footprint,
+                    &pipelines,
                     list,
                 );
             }
             Sums::Buffers(sums) => {
-                let kernels = passes.compute(features)?;
+                let kernels =
+                    Variants::of(list, |is_clipped| passes.compute(&with_clip(is_clipped)))?;
                 for sum in sums {
                     recorder.clear_buffer(sum);
                 }
@@ -377,7 +387,7 @@ impl BlendedView {
         let depth = depth.map(|target| DepthAttachment::load(&target.texture));
         let mut pass = recorder.render_pass("shading", &colours, depth);
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(2, &self.visibility.footprint_group, &[]);
+        pass.set_bind_group(2, self.visibility.footprint_groups.plain(), &[]);
         for (block, offset) in list.blocks.iter().zip((0..).step_by(BLOCK_STRIDE as usize)) {
             if block.pixels.size.contains(&0) {
                 continue;

@@ -11,7 +11,7 @@ use crate::passes::Passes;
 use crate::settings::request_of;
 use pointstage_plugin_api::prelude::*;
 
-/// The renderer, prepared. Nothing in it depends on the scene.
+/// The renderer, prepared. Of the scene it holds clip lines only.
 pub struct Hqss {
     passes: Passes,
 }
@@ -26,13 +26,13 @@ impl Renderer for Hqss {
 
     fn prepare(
         host: &Host,
-        _scene: Scene<'_>,
+        scene: Scene<'_>,
         _previous: Option<(&Self, Changes<'_>)>,
         _settings: Settings<'_>,
         _progress: &Progress<'_>,
     ) -> Result<Self> {
         Ok(Self {
-            passes: Passes::new(host.gpu()?)?,
+            passes: Passes::new(host.gpu()?, scene)?,
         })
     }
 

@@ -7,7 +7,7 @@ use pointstage_plugin_api::gpu::{
     RenderPipelineOptions, Shader,
 };
 use pointstage_plugin_api::wgsl::{Module, WgslError, link};
-use pointstage_plugin_api::{Error, Result};
+use pointstage_plugin_api::{Error, Result, Scene};
 use pointstage_visibility::{
     Cache, Footprint, Kernels, Prepared, SUMS, TargetSet, Varying, adds_int64, cached,
 };
@@ -82,11 +82,11 @@ pub(crate) struct Passes {
 impl Passes {
     /// # Errors
     /// If the device refuses a resource.
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self> {
+    pub(crate) fn new(gpu: &Gpu, scene: Scene<'_>) -> Result<Self> {
         let compute = ShaderStages::COMPUTE;
         let fragment = ShaderStages::FRAGMENT;
         Ok(Self {
-            visibility: Prepared::new(gpu, SPLAT)?,
+            visibility: Prepared::new(gpu, SPLAT)?.clipped_by(scene)?,
             sums_layout: gpu.bind_group_layout(
                 "pixels, large surfels and sums",
                 &[
@@ -140,7 +140,7 @@ impl Passes {
                 layouts: &[
                     &self.visibility.frame_layout,
                     &self.visibility.columns_layout,
-                    &self.visibility.footprint_layout,
+                    self.visibility.footprint_layout_for(features),
                 ],
                 vertex: "attributes_pass_vertex",
                 fragment: Some("attributes_pass_fragment"),
@@ -164,7 +164,8 @@ impl Passes {
             let wgsl = link_compute(&features).map_err(Error::failed)?;
             let shader = self.shader("attribute kernels", &wgsl)?;
             let names = ["attributes_compute", "attributes_compute_large"];
-            self.visibility.kernels(&shader, &self.sums_layout, names)
+            self.visibility
+                .kernels(&shader, &features, &self.sums_layout, names)
         })
     }
 

@@ -19,7 +19,13 @@ const LOOKS: [&[&str]; 7] = [
     &["shows_weight"],
     &["shows_depth"],
 ];
-const FEATURES: [&[&str]; 3] = [&[], &["low_pass"], &["low_pass", "cull_backs", "direct"]];
+const FEATURES: [&[&str]; 5] = [
+    &[],
+    &["low_pass"],
+    &["low_pass", "cull_backs", "direct"],
+    &["clipped"],
+    &["low_pass", "clipped", "direct"],
+];
 
 #[test]
 fn every_visibility_variant_validates_with_the_uniform_of_the_rust_side() {
@@ -50,8 +56,11 @@ fn the_attribute_and_shading_passes_validate() {
         }
         let mut looks = LOOKS.iter().cycle();
         for set in TargetSet::each().step_by(7) {
+            // Shading clips nothing.
+            let features: Vec<_> = features.iter().filter(|its| **its != "clipped").collect();
+            let features: Vec<_> = features.into_iter().copied().collect();
             for sums in [Sums::Textures, Sums::Buffers, Sums::Resolved] {
-                let features = [features, looks.next().unwrap()].concat();
+                let features = [&features[..], looks.next().unwrap()].concat();
                 let wgsl = link_shading(sums, set, &features).unwrap();
                 validated(&format!("shading {set:?} {sums:?} {features:?}"), &wgsl);
             }

@@ -11,7 +11,7 @@ use crate::took::Took;
 use crate::uniforms::TreeUniform;
 use pointstage_plugin_api::abi::DrawUniform;
 use pointstage_plugin_api::{Draw, DrawFlags, Error, Frame, Result};
-use pointstage_visibility::{BlockItem, DrawList, PixelRectangle, Source, has_int64};
+use pointstage_visibility::{BlockItem, Clips, DrawList, PixelRectangle, Source, has_int64};
 use std::sync::Arc;
 
 /// What is drawn of a part: primitives of one kind.
@@ -58,7 +58,12 @@ pub(crate) fn plan(
         wanted,
         source,
         // Splats reach a little beyond the object's bounds.
-        blocks: DrawList::of(frame, Some(2.0 * wanted.threshold_px + 1.0)).blocks,
+        blocks: DrawList::of(
+            frame,
+            Some(2.0 * wanted.threshold_px + 1.0),
+            &Clips::default(),
+        )
+        .blocks,
         base: 0,
         planned: Vec::new(),
     };

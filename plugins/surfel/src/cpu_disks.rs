@@ -87,7 +87,8 @@ impl Disks {
         for (lane, (image, number)) in images.iter().zip(numbers).enumerate() {
             if seen & 1 << lane != 0 && !image.area.is_empty() {
                 let id = surfels.surfel_id(*number);
-                image.offer(image.area, 1.0, [1.0, 0.0], id, band);
+                let lines = surfels.clip_lines(*number, self.scale);
+                image.offer(image.area, 1.0, [1.0, 0.0], lines.as_ref(), id, band);
                 reached = reached.joined(image.area);
             }
         }

@@ -38,13 +38,13 @@ impl Renderer for Surfel {
 
     fn prepare(
         host: &Host,
-        _scene: Scene<'_>,
+        scene: Scene<'_>,
         _previous: Option<(&Self, Changes<'_>)>,
         _settings: Settings<'_>,
         _progress: &Progress<'_>,
     ) -> Result<Self> {
         Ok(Self {
-            visibility: Prepared::new(host.gpu()?, DISK)?,
+            visibility: Prepared::new(host.gpu()?, DISK)?.clipped_by(scene)?,
         })
     }
 

@@ -11,7 +11,7 @@ use shader_checks::{assert_manifest, assert_variants};
 #[test]
 fn every_variant_validates_with_the_uniform_of_the_rust_side() {
     let fields = [("scale", offset_of!(DiskUniform, scale))];
-    for features in [&[][..], &["cull_backs", "direct"]] {
+    for features in [&[][..], &["cull_backs", "direct"], &["clipped"]] {
         let variants = linked_variants(&DISK, features).unwrap();
         let uniform = "footprint_shape_DiskUniform";
         assert_variants(variants, uniform, &fields, DISK.uniform_size);

@@ -1,5 +1,6 @@
 //! The selection, as the passes walk it: draws for visibility, blocks for shading.
 
+use crate::clips::{ClipPlace, Clips};
 use crate::rectangle::{PixelRectangle, rectangle_of};
 use pointstage_plugin_api::gpu::GroupRef;
 use pointstage_plugin_api::{DrawFlags, Frame};
@@ -15,6 +16,8 @@ pub struct DrawItem {
     pub count: u32,
     /// First id of its block.
     pub id_base: u32,
+    /// Where its clip lines are, if it has any.
+    pub clip: Option<ClipPlace>,
 }
 
 /// Surfels that lie together and have their own range of ids; several draws may share them.
@@ -50,7 +53,8 @@ pub struct DrawList {
 
 impl DrawList {
     /// * `reach_px`: how far splats reach from their projected centres, if it is known; px.
-    pub fn of(frame: &Frame<'_>, reach_px: Option<f32>) -> Self {
+    /// * `clips`: of the scene.
+    pub fn of(frame: &Frame<'_>, reach_px: Option<f32>, clips: &Clips) -> Self {
         let mut list = Self {
             is_direct: true,
             ..Self::default()
@@ -65,6 +69,7 @@ impl DrawList {
                 columns: draw.columns(),
                 count: draw.count(),
                 id_base: uniform.id_base,
+                clip: clips.place_of(draw.block()),
             });
             match list
                 .blocks
@@ -84,6 +89,11 @@ impl DrawList {
         }
         list.draws.sort_by_key(|draw| draw.id_base);
         list
+    }
+
+    /// Whether any draw has clip lines.
+    pub fn has_clips(&self) -> bool {
+        self.draws.iter().any(|draw| draw.clip.is_some())
     }
 
     /// Leaves to the blocks only what lies within some pixels.

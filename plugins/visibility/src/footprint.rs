@@ -13,8 +13,12 @@ use pointstage_plugin_api::wgsl::Module;
 /// fn footprint_depth(footprint: Footprint, pixel: vec2f) -> f32   linear in the pixel; outside 0..1 it is not visible
 /// Varying::Flat:    fn footprint_flat(footprint) -> vec3f,          fn flat_covers(flat: vec3f, pixel: vec2f) -> bool
 /// Varying::Linear:  fn footprint_linear(footprint, pixel) -> vec3f,  fn linear_covers(linear: vec3f) -> bool
-/// Varying::Both:    both functions of footprints, and              fn both_cover(flat, linear, pixel) -> bool
+/// Varying::Both:    both functions of footprints, and              fn both_cover(flat, linear, depth: f32) -> bool
 /// ```
+///
+/// A footprint whose renderer cuts surfels off at clip lines ([`crate::Prepared::clipped_by`]) knows the feature `clipped`: its
+/// linear numbers are (u, v, 1) / w, a member `clip: lib::clip::ClipLines` of `Footprint` is in their units, taken from
+/// `@group(2) @binding(1) var<storage, read>`, and `footprint_covers` heeds it.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint {
     /// The renderer's name, for labels.

@@ -15,6 +15,7 @@
 
 #![forbid(unsafe_code)]
 
+mod clips;
 pub mod cpu;
 mod draws;
 mod footprint;
@@ -27,6 +28,7 @@ mod shader_checks;
 mod targets;
 mod view;
 
+pub use clips::{CLIPPED, ClipPlace, Clips, FootprintGroups, Variants};
 pub use draws::{BlockItem, DrawItem, DrawList};
 pub use footprint::{Footprint, Varying};
 pub use pipelines::{

@@ -1,5 +1,6 @@
 //! What all views of a renderer share: layouts, the quads' index buffer, and pipelines, each made when it is first needed.
 
+use crate::clips::Clips;
 use crate::footprint::{Footprint, Varying};
 use crate::targets::TargetSet;
 use pointstage_plugin_api::abi::{BufferUsage, Compare, Format, ShaderStages};
@@ -74,7 +75,7 @@ pub enum Source {
 /// Things that are made on first use, by key.
 pub type Cache<K, V> = Mutex<BTreeMap<K, V>>;
 
-/// A renderer, prepared: shared by its views. Nothing in it depends on the scene.
+/// A renderer, prepared: shared by its views. Nothing in it but clip lines depends on the scene.
 pub struct Prepared {
     /// The device.
     pub gpu: Gpu,
@@ -82,6 +83,10 @@ pub struct Prepared {
     pub(crate) quads: Buffer,
     /// Group 2 of visibility: the footprint's uniform.
     pub footprint_layout: BindGroupLayout,
+    /// The same with clip lines.
+    pub clipped_layout: BindGroupLayout,
+    /// Clip lines of the scene, if the renderer's footprint clips.
+    pub clips: Clips,
     /// Group 3 of the compute path: pixels, large surfels.
     pub(crate) pixels_layout: BindGroupLayout,
     /// Group 2 of shading, by [`Source`]: what is visible, and the block.
@@ -108,6 +113,18 @@ impl Prepared {
         Ok(Self {
             quads: quads(gpu)?,
             footprint_layout: layout("footprint", &[(0, any, Binding::Uniform)])?,
+            clipped_layout: layout(
+                "footprint and clip lines",
+                &[
+                    (0, any, Binding::Uniform),
+                    (
+                        1,
+                        ShaderStages::VERTEX | ShaderStages::COMPUTE,
+                        Binding::StorageRead,
+                    ),
+                ],
+            )?,
+            clips: Clips::default(),
             pixels_layout: layout(
                 "pixels and large surfels",
                 &[
@@ -157,7 +174,7 @@ impl Prepared {
                 layouts: &[
                     &self.frame_layout,
                     &self.columns_layout,
-                    &self.footprint_layout,
+                    self.footprint_layout_for(features),
                 ],
                 vertex: "visibility_pass_vertex",
                 fragment: Some("visibility_pass_fragment"),
@@ -181,12 +198,13 @@ impl Prepared {
             features.extend(pairs.then_some("pairs"));
             let shader = self.shader(VISIBILITY_COMPUTE, &features)?;
             let names = ["visibility_compute", "visibility_compute_large"];
-            self.kernels(&shader, &self.pixels_layout, names)
+            self.kernels(&shader, &features, &self.pixels_layout, names)
         })
     }
 
     /// Kernels of a shader: for all surfels, and for those of many pixels.
     ///
+    /// * `features`: of the shader.
     /// * `pixels_layout`: of group 3.
     ///
     /// # Errors
@@ -194,6 +212,7 @@ impl Prepared {
     pub fn kernels(
         &self,
         shader: &Shader,
+        features: &[&'static str],
         pixels_layout: &BindGroupLayout,
         [each, large]: [&str; 2],
     ) -> Result<Kernels> {
@@ -203,7 +222,7 @@ impl Prepared {
                 layouts: &[
                     &self.frame_layout,
                     &self.columns_layout,
-                    &self.footprint_layout,
+                    self.footprint_layout_for(features),
                     pixels_layout,
                 ],
                 immediate_size: 0,

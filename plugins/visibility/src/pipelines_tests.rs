@@ -22,7 +22,7 @@ const PIXEL: &str = "
     fn flat_covers(flat: vec3f, pixel: vec2f) -> bool { return true; }
     fn footprint_linear(footprint: Footprint, pixel: vec2f) -> vec3f { return vec3f(0.0); }
     fn linear_covers(linear: vec3f) -> bool { return true; }
-    fn both_cover(flat: vec3f, linear: vec3f, pixel: vec2f) -> bool { return true; }
+    fn both_cover(flat: vec3f, linear: vec3f, depth: f32) -> bool { return true; }
 ";
 
 fn footprint(varying: Varying) -> Footprint {

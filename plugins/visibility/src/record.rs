@@ -1,5 +1,6 @@
 //! The passes of a frame, recorded.
 
+use crate::clips::{FootprintGroups, Variants};
 use crate::draws::DrawList;
 use crate::pipelines::{INDICES_PER_QUAD, Kernels, Prepared, QUADS_PER_INSTANCE};
 use crate::request::Extent;
@@ -21,7 +22,7 @@ pub(crate) fn record_raster(
     frame_group: GroupRef,
     list: &DrawList,
     [id, level, depth]: [Option<Target>; 3],
-    pipeline: &RenderPipeline,
+    pipelines: &Variants<RenderPipeline>,
 ) -> Result<[Handle; 2]> {
     let own = view.raster.as_ref().ok_or_else(missing)?;
     let (ids, id_attachment) = match id {
@@ -47,28 +48,27 @@ pub(crate) fn record_raster(
     }
 
     let mut pass = recorder.render_pass("visibility", &colours, Some(depth_attachment));
-    pass.set_pipeline(pipeline);
-    record_quads(
-        &mut pass,
-        prepared,
-        frame_group,
-        &view.footprint_group,
-        list,
-    );
+    let groups = &view.footprint_groups;
+    record_quads(&mut pass, prepared, frame_group, groups, pipelines, list);
     Ok([ids, depths])
 }
 
-/// A quad for each surfel of all draws, by the pipeline that is set: groups 0 to 2, and the index buffer.
+/// A quad for each surfel of all draws: pipelines, groups 0 to 2, and the index buffer.
 pub fn record_quads(
     pass: &mut RenderPass<'_>,
     prepared: &Prepared,
     frame_group: GroupRef,
-    footprint_group: &BindGroup,
+    footprint_groups: &FootprintGroups,
+    pipelines: &Variants<RenderPipeline>,
     list: &DrawList,
 ) {
     pass.set_index_buffer(&prepared.quads);
-    pass.set_bind_group(2, footprint_group, &[]);
+    let mut last = None;
     for draw in &list.draws {
+        if last.replace(draw.clip) != Some(draw.clip) {
+            pass.set_pipeline(pipelines.of_draw(draw));
+            pass.set_bind_group(2, footprint_groups.of_draw(draw), &[]);
+        }
         pass.set_bind_group(0, &frame_group, &[draw.uniform_offset]);
         pass.set_bind_group(1, &draw.columns, &[]);
         let whole = draw.count / QUADS_PER_INSTANCE;
@@ -88,14 +88,14 @@ pub(crate) fn record_compute(
     view: &VisibilityView,
     frame_group: GroupRef,
     list: &DrawList,
-    kernels: &[Kernels],
+    kernels: &[Variants<Kernels>],
     extent: Extent,
 ) -> Result<Handle> {
     let buffers = view.compute.as_ref().ok_or_else(missing)?;
     recorder.clear_buffer(&buffers.pixels);
     let groups = KernelGroups {
         frame: frame_group,
-        footprint: &view.footprint_group,
+        footprint: &view.footprint_groups,
         pixels: &buffers.group,
         large: (extent == Extent::Any).then_some([&buffers.large, &buffers.arguments]),
     };
@@ -111,7 +111,7 @@ pub struct KernelGroups<'a> {
     /// Group 0.
     pub frame: GroupRef,
     /// Group 2.
-    pub footprint: &'a BindGroup,
+    pub footprint: &'a FootprintGroups,
     /// Group 3.
     pub pixels: &'a BindGroup,
     /// The list of large surfels, and the arguments of their dispatch; none if no surfel is large.
@@ -122,11 +122,12 @@ pub struct KernelGroups<'a> {
 pub fn record_kernels(
     recorder: &mut Recorder,
     label: &str,
-    kernels: &Kernels,
+    kernels: &Variants<Kernels>,
     list: &DrawList,
     groups: &KernelGroups<'_>,
 ) {
     for draw in &list.draws {
+        let kernels = kernels.of_draw(draw);
         if let Some([large, _]) = groups.large {
             recorder.push(ClearBuffer {
                 buffer: large.as_handle(),
@@ -137,7 +138,7 @@ pub fn record_kernels(
         let bind = |pass: &mut ComputePass<'_>| {
             pass.set_bind_group(0, &groups.frame, &[draw.uniform_offset]);
             pass.set_bind_group(1, &draw.columns, &[]);
-            pass.set_bind_group(2, groups.footprint, &[]);
+            pass.set_bind_group(2, groups.footprint.of_draw(draw), &[]);
             pass.set_bind_group(3, groups.pixels, &[]);
         };
         let mut pass = recorder.compute_pass(label);

@@ -1,5 +1,6 @@
 //! One viewport: buffers of the picture's size, and the frame.
 
+use crate::clips::{CLIPPED, FootprintGroups, Variants};
 use crate::cpu::{Bins, Nearest, Rectangle, Stage};
 use crate::draws::DrawList;
 use crate::pipelines::{Kernel, Kernels, Prepared, Source, has_int64};
@@ -9,7 +10,7 @@ use crate::request::{Path, Request};
 use crate::targets::Targets;
 use crate::targets::picture_texture;
 use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle};
-use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer, Gpu, Recorder, Texture};
+use pointstage_plugin_api::gpu::{AsHandle, BindGroup, Buffer, Gpu, Recorder, Texture};
 use pointstage_plugin_api::{Frame, Host, Outcome, Result, Target, statistics};
 
 /// `BlockUniform` of the shading pass (first id, number of ids, whether it is the first block), padded to an offset that every device accepts.
@@ -17,6 +18,8 @@ type BlockUniform = [u32; 64];
 
 /// Bytes from one block's uniform to the next.
 pub const BLOCK_STRIDE: u32 = size_of::<BlockUniform>() as u32;
+/// Storage buffers that the kernels bind at once with clip lines: these, the columns, pixels and large surfels.
+const STORAGE_BUFFERS_CLIPPED: u64 = 9;
 /// Large surfels of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
 const LARGE_COUNT: u64 = 65_535;
 
@@ -68,8 +71,8 @@ pub struct Visible {
 pub struct VisibilityView {
     host: Host,
     uniform: Buffer,
-    /// Group 2 of visibility: the footprint's uniform.
-    pub footprint_group: BindGroup,
+    /// Group 2 of visibility: the footprint's uniform, and clip lines of draws that have any.
+    pub footprint_groups: FootprintGroups,
     pub(crate) raster: Option<RasterBuffers>,
     pub(crate) compute: Option<ComputeBuffers>,
     blocks: Option<BlockUniforms>,
@@ -90,10 +93,20 @@ impl VisibilityView {
         let uniform = gpu.buffer("footprint", prepared.footprint.uniform_size, usage)?;
         let footprint_group =
             gpu.bind_group("footprint", &prepared.footprint_layout, &[(0, &uniform)])?;
+        let clipped = prepared.clips.buffers().map(|lines| {
+            let entries: [(u32, &dyn AsHandle); 2] = [(0, &uniform), (1, lines)];
+            gpu.bind_group(
+                "footprint and clip lines",
+                &prepared.clipped_layout,
+                &entries,
+            )
+        });
+        let clipped: Result<Vec<_>> = clipped.collect();
+        let footprint_groups = FootprintGroups::new(footprint_group, clipped?);
         Ok(Self {
             host: host.clone(),
             uniform,
-            footprint_group,
+            footprint_groups,
             raster: None,
             compute: None,
             blocks: None,
@@ -114,7 +127,7 @@ impl VisibilityView {
         frame: &mut Frame<'_>,
         request: &Request<'_>,
     ) -> Result<Outcome> {
-        let mut list = DrawList::of(frame, request.extent.reach_px());
+        let mut list = DrawList::of(frame, request.extent.reach_px(), &prepared.clips);
         let targets = Targets::of(frame);
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
@@ -167,7 +180,7 @@ impl VisibilityView {
         let gpu = &prepared.gpu;
         let [_, level, _] = targets;
         if let Some(splats) = request.cpu
-            && let Some(stage) = self.cpu_stage(gpu, frame, request, list, level.is_some())
+            && let Some(stage) = self.cpu_stage(prepared, frame, request, list, level.is_some())
         {
             let mut nearest = core::mem::take(&mut self.nearest);
             nearest.resize(frame.size_px());
@@ -183,7 +196,7 @@ impl VisibilityView {
             size: frame.size_px(),
         };
         if self.takes_compute(gpu, frame.size_px(), request, list, level.is_some()) {
-            let kernels = compute_kernels(prepared, request, &features)?;
+            let kernels = compute_kernels(prepared, request, &features, list)?;
             self.ready_compute(prepared, frame.size_px())?;
             let frame = frame.group();
             let buffer = record_compute(recorder, self, frame, list, &kernels, request.extent)?;
@@ -196,10 +209,12 @@ impl VisibilityView {
             });
         }
         self.ready_raster(gpu, frame.size_px())?;
-        let pipeline = prepared.raster(&features, level.is_some())?;
+        let pipelines = Variants::of(list, |is_clipped| {
+            prepared.raster(&with_clip(&features, is_clipped), level.is_some())
+        })?;
         let group = frame.group();
         let [ids, depths] =
-            record_raster(recorder, self, prepared, group, list, targets, &pipeline)?;
+            record_raster(recorder, self, prepared, group, list, targets, &pipelines)?;
         Ok(Visible {
             source: Source::Ids,
             path: Path::Raster,
@@ -214,12 +229,13 @@ impl VisibilityView {
     /// * `has_level`: whether each draw's level is asked for.
     pub fn cpu_stage<'f>(
         &mut self,
-        gpu: &Gpu,
+        prepared: &Prepared,
         frame: &Frame<'f>,
         request: &Request<'_>,
         list: &DrawList,
         has_level: bool,
     ) -> Option<Stage<'f>> {
+        let gpu = &prepared.gpu;
         let size_px = frame.size_px();
         let pixels = u64::from(size_px[0]) * u64::from(size_px[1]);
         let is_wanted = match request.path {
@@ -230,7 +246,7 @@ impl VisibilityView {
         if !is_wanted || obstacle(gpu, size_px, request, list, has_level).is_some() {
             return None;
         }
-        let stage = Stage::of(frame);
+        let stage = Stage::of(frame, &prepared.clips);
         if stage.is_none() && request.path == Path::Cpu {
             self.warn("drawn by compute, not by the CPU: the device alone knows which surfels are drawn, or the CPU lacks their columns");
         }
@@ -291,7 +307,11 @@ impl VisibilityView {
         if !wanted {
             return false;
         }
-        let Some(obstacle) = obstacle(gpu, size_px, request, list, has_level) else {
+        let binds = !list.has_clips()
+            || gpu.limit("max_storage_buffers_per_shader_stage") >= Some(STORAGE_BUFFERS_CLIPPED);
+        let obstacle = obstacle(gpu, size_px, request, list, has_level);
+        let too_few = "the device binds too few storage buffers for clip lines";
+        let Some(obstacle) = obstacle.or((!binds).then_some(too_few)) else {
             return true;
         };
         if matches!(request.path, Path::Compute | Path::Cpu) {
@@ -453,12 +473,19 @@ fn features_of(request: &Request<'_>, list: &DrawList) -> Vec<&'static str> {
     request.features.iter().copied().chain(direct).collect()
 }
 
+/// The features, and that of clip lines where there are any.
+fn with_clip(features: &[&'static str], is_clipped: bool) -> Vec<&'static str> {
+    let clipped = is_clipped.then_some(CLIPPED);
+    features.iter().copied().chain(clipped).collect()
+}
+
 /// The kernels of a frame, in order: one where 64 bits hold depth and id, else one after the other.
 fn compute_kernels(
     prepared: &Prepared,
     request: &Request<'_>,
     features: &[&'static str],
-) -> Result<Vec<Kernels>> {
+    list: &DrawList,
+) -> Result<Vec<Variants<Kernels>>> {
     let kernels: &[_] = if has_int64(&prepared.gpu) {
         &[Kernel::Whole]
     } else {
@@ -468,7 +495,11 @@ fn compute_kernels(
     let features: Vec<_> = features.iter().copied().chain(of_extent).collect();
     kernels
         .iter()
-        .map(|&kernel| prepared.compute(&features, kernel))
+        .map(|&kernel| {
+            Variants::of(list, |is_clipped| {
+                prepared.compute(&with_clip(&features, is_clipped), kernel)
+            })
+        })
         .collect()
 }
 

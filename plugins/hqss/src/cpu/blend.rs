@@ -2,8 +2,11 @@
 //! `attributes_compute.wesl`.
 
 use super::footprint::{Footprints, RAMP_PX, Splat, WITHIN_PIXEL_PX};
+use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::glam::{Vec3, Vec4};
-use pointstage_visibility::cpu::{LANES, Sum, depth_of, exp_near_zero, id_of, sqrt};
+use pointstage_visibility::cpu::{
+    LANES, Sum, clip_distance, clip_keeps, depth_of, exp_near_zero, id_of, sqrt,
+};
 use std::sync::LazyLock;
 
 /// No splat weighs less where it has a part, as in the shader.
@@ -18,9 +21,12 @@ pub(super) struct Attributes {
     normal: Vec4,
     /// Logarithm of the filtered kernel's peak.
     log_peak: f32,
+    /// Where it is cut off, if it may be.
+    lines: Option<ClipLines>,
 }
 
 /// Shares of four pixels.
+#[derive(Clone, Copy)]
 struct Shares {
     weight: Vec4,
     coverage: Vec4,
@@ -40,6 +46,7 @@ impl Attributes {
             colour: colour.with_w(1.0),
             normal: splat.normal.extend(0.0),
             log_peak: ln(splat.peak),
+            lines: surfels.and_then(|surfels| footprints.lines_of(surfels, splat)),
         }
     }
 }
@@ -65,7 +72,8 @@ pub(super) fn blend(
         .zip(fronts.chunks_mut(LANES));
     let mut across = 0.0;
     for ((nearest, sums), fronts) in groups {
-        let depth = depth.at(across) * factor - less;
+        let own_depth = depth.at(across);
+        let depth = own_depth * factor - less;
         let visible = if let [first, second, third, fourth] = *nearest {
             [first, second, third, fourth]
         } else {
@@ -78,15 +86,7 @@ pub(super) fn blend(
         };
         let is_seen = depth.cmpge(Vec4::from_array(visible.map(depth_of)))
             & depth.cmpgt(Vec4::ZERO)
-            & depth.cmple(Vec4::ONE);
-        if depth.cmpgt(Vec4::ONE).any() {
-            // Pushed, it may be behind the near plane and the visible one all the same.
-            for (front, visible) in fronts.iter_mut().zip(visible) {
-                if id_of(visible) == splat.id {
-                    *front = place;
-                }
-            }
-        }
+            & own_depth.cmple(Vec4::ONE);
         let seen = is_seen.bitmask();
         if seen != 0 {
             let attributes = attributes.get_or_insert_with(|| Attributes::of(splat, footprints));
@@ -94,6 +94,12 @@ pub(super) fn blend(
                 filtered_shares(footprints, splat, attributes.log_peak, row, across)
             } else {
                 plain_shares(footprints, splat, row, across)
+            };
+            let shares = match &attributes.lines {
+                None => shares,
+                Some(lines) => {
+                    clipped_shares(shares, lines, splat, footprints.look.filters, row, across)
+                }
             };
             let [weights, coverages] =
                 [shares.weight, shares.coverage].map(|lanes| lanes.to_array());
@@ -163,6 +169,36 @@ fn filtered_shares(
     Shares {
         weight: Vec4::select(has_part, weight, Vec4::ZERO),
         coverage,
+    }
+}
+
+/// What clip lines leave of four shares: none beyond them, and with the filter half where they go through a pixel's centre.
+#[inline]
+fn clipped_shares(
+    shares: Shares,
+    lines: &ClipLines,
+    splat: &Splat,
+    filters: bool,
+    row: u32,
+    across: f32,
+) -> Shares {
+    let image = &splat.image;
+    let uv1 = image.uv1_in_row(row).map(|plane| plane.at(across));
+    let Shares { weight, coverage } = shares;
+    if !filters {
+        return Shares {
+            weight: Vec4::select(clip_keeps(lines, uv1), weight, Vec4::ZERO),
+            coverage,
+        };
+    }
+    let distance = clip_distance(lines, uv1, image.uv1_x, image.uv1_y);
+    let left = (distance * (1.0 / RAMP_PX) + Vec4::splat(0.5)).clamp(Vec4::ZERO, Vec4::ONE);
+    let left = Vec4::select(uv1[2].cmpgt(Vec4::ZERO), left, Vec4::ZERO);
+    let has_part = weight.cmpgt(Vec4::ZERO) & left.cmpgt(Vec4::ZERO);
+    let part = (weight * left).max(Vec4::splat(LEAST_WEIGHT));
+    Shares {
+        weight: Vec4::select(has_part, part, Vec4::ZERO),
+        coverage: coverage.min(left),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Footprints of blended splats, four at once: the twin of `shaders/hqss/splat.wesl`.
 
 use super::Look;
+use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::glam::{BVec4A, Vec3, Vec4};
 use pointstage_visibility::cpu::{
     Axes4, Ellipses4, Image, LANES, NearestBand, Reach, Rectangle, Stage, Surfels, Surfels4,
@@ -167,11 +168,21 @@ impl<'a> Footprints<'a> {
                 splat.visible,
                 splat.seen_squared,
                 splat.push,
+                self.lines_of(surfels, &splat).as_ref(),
                 splat.id,
                 band,
             );
             splats.push(splat);
         }
+    }
+
+    /// Where a splat is cut off, in units of its image's half-axes; none if nothing of its draw is.
+    #[inline]
+    pub(super) fn lines_of(&self, surfels: &Surfels<'_>, splat: &Splat) -> Option<ClipLines> {
+        let uniform = &self.look.uniform;
+        let lines = surfels.clip_lines(splat.number, uniform.scale * uniform.cutoff)?;
+        let is_flat = splat.image.uv1_x == Vec3::ZERO && splat.image.uv1_y == Vec3::ZERO;
+        Some(if is_flat { ClipLines::NONE } else { lines })
     }
 
     /// Widens images by the low-pass filter.

@@ -1,11 +1,13 @@
 //! The image of one ellipse, and its pixels.
 
+use super::clip::clip_keeps;
 use super::ellipse::Ellipses4;
 use super::lanes::{LANES, Vec3x4};
 use super::nearest::{NearestBand, packed};
 use crate::rectangle::PixelRectangle;
 use core::ops::Range;
-use pointstage_plugin_api::glam::{Vec3, Vec4};
+use pointstage_plugin_api::clip::ClipLines;
+use pointstage_plugin_api::glam::{BVec4A, Vec3, Vec4};
 
 /// Pixels from a first column and row up to those before the last ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -171,13 +173,35 @@ impl Image {
     /// Offers the ellipse's pixels in an area to a band.
     ///
     /// * `seen_squared`: up to this |uv|² it is seen.
-    /// * `push`: a factor on depth, and what is taken from it then.
+    /// * `push`: a factor on depth, and what is taken from it then; what lies before the near plane stays hidden all the same.
+    /// * `lines`: where it is cut off, in units of the image's half-axes.
     #[inline]
     pub fn offer(
         &self,
         area: Rectangle,
         seen_squared: f32,
         push: [f32; 2],
+        lines: Option<&ClipLines>,
+        id: u32,
+        band: &mut NearestBand<'_>,
+    ) {
+        match lines {
+            None => self.offer_where(area, seen_squared, push, |_| BVec4A::TRUE, id, band),
+            Some(lines) => {
+                let keeps = |uv1| clip_keeps(lines, uv1);
+                self.offer_where(area, seen_squared, push, keeps, id, band);
+            }
+        }
+    }
+
+    /// The same where `keeps` holds of (u, v, 1) / w.
+    #[inline]
+    fn offer_where(
+        &self,
+        area: Rectangle,
+        seen_squared: f32,
+        push: [f32; 2],
+        keeps: impl Fn([Vec4; 3]) -> BVec4A,
         id: u32,
         band: &mut NearestBand<'_>,
     ) {
@@ -194,12 +218,14 @@ impl Image {
             let mut across = first;
             for pixels in pixels.chunks_mut(LANES) {
                 let [u, v, one] = [u.at(across), v.at(across), one.at(across)];
-                let depth = depth.at(across) * factor - less;
+                let own_depth = depth.at(across);
+                let depth = own_depth * factor - less;
                 across += LANES as f32;
                 let is_covered = one.cmpgt(Vec4::ZERO)
                     & (u * u + v * v).cmple(seen_squared * one * one)
                     & depth.cmpgt(Vec4::ZERO)
-                    & depth.cmple(Vec4::ONE);
+                    & own_depth.cmple(Vec4::ONE)
+                    & keeps([u, v, one]);
                 let covered = is_covered.bitmask();
                 if covered == 0 {
                     continue;

@@ -10,6 +10,7 @@
 //! [`share_out`] know nothing of surfels and serve splats of any other kind.
 
 mod bins;
+mod clip;
 mod ellipse;
 mod hidden;
 mod image;
@@ -21,6 +22,7 @@ mod surfels;
 mod workers;
 
 pub use bins::{Bins, Candidate, Reach};
+pub use clip::{clip_distance, clip_keeps};
 pub use ellipse::{Axes4, Camera4, Clip4, Ellipses4};
 pub use image::{Image, Rectangle, RowPlane};
 pub use lanes::{LANES, Vec3x4, exp_near_zero, sqrt};

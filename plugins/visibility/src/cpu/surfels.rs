@@ -2,9 +2,13 @@
 
 use super::ellipse::{Axes4, Camera4};
 use super::lanes::{LANES, Vec3x4};
+use crate::clips::Clips;
+use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::columns::NO_NORMAL;
 use pointstage_plugin_api::glam::{BVec4A, Mat4, Vec3, Vec4};
+use pointstage_plugin_api::twin::clip::scaled_clip_lines;
 use pointstage_plugin_api::{Draw, DrawFlags, DrawUniform, Frame};
+use std::sync::Arc;
 
 /// The draws of a frame, with their columns at hand, and its camera.
 #[derive(Clone, Debug)]
@@ -24,6 +28,7 @@ pub struct Surfels<'a> {
     normals: Option<&'a [u32]>,
     colours: Option<&'a [u32]>,
     axes: Option<&'a [[f32; 8]]>,
+    clips: Option<Arc<[ClipLines]>>,
     pub(super) numbers: Numbers,
     uniform: &'a DrawUniform,
     is_two_sided: bool,
@@ -64,9 +69,10 @@ pub struct Surfels4 {
 impl<'a> Stage<'a> {
     /// What a frame draws; none if a draw's surfels are known to the device alone, or a column is not at hand.
     ///
-    pub fn of(frame: &Frame<'a>) -> Option<Self> {
+    /// * `clips`: of the scene.
+    pub fn of(frame: &Frame<'a>, clips: &Clips) -> Option<Self> {
         let draws = frame.selection().filter(|draw| draw.count() > 0);
-        let draws = draws.map(|draw| Surfels::of(&draw, frame));
+        let draws = draws.map(|draw| Surfels::of(&draw, frame, clips));
         let mut draws = draws.collect::<Option<Vec<_>>>()?;
         draws.sort_by_key(|draw| draw.uniform.id_base);
         let distances = frame.selection().filter_map(|draw| {
@@ -102,7 +108,7 @@ impl<'a> Stage<'a> {
 
 impl<'a> Surfels<'a> {
     /// A draw; none if it is not at hand.
-    fn of(draw: &Draw<'a>, frame: &Frame<'a>) -> Option<Self> {
+    fn of(draw: &Draw<'a>, frame: &Frame<'a>, clips: &Clips) -> Option<Self> {
         let flags = draw.flags();
         if flags.contains(DrawFlags::INDIRECT) {
             return None;
@@ -143,6 +149,7 @@ impl<'a> Surfels<'a> {
             normals: normals.filter(|_| flags.contains(DrawFlags::HAS_NORMAL)),
             colours: colours.filter(|_| flags.contains(DrawFlags::HAS_COLOUR)),
             axes: axes.filter(|_| flags.contains(DrawFlags::HAS_AXES)),
+            clips: clips.lines_of(block),
             numbers,
             uniform,
             is_two_sided: flags.contains(DrawFlags::TWO_SIDED),
@@ -183,6 +190,13 @@ impl<'a> Surfels<'a> {
     /// Whether normals have no outside.
     pub fn is_two_sided(&self) -> bool {
         self.is_two_sided
+    }
+
+    /// Clip lines of a surfel, for u and v in so many half-axes with the frame's radius scale; none if nothing of the draw has any.
+    #[inline]
+    pub fn clip_lines(&self, number: u32, unit: f32) -> Option<ClipLines> {
+        let lines = self.clips.as_ref()?.get(number as usize)?;
+        Some(scaled_clip_lines(*lines, unit * self.radius_scale))
     }
 
     /// Packed colour of a surfel; none if the draw's is meant.

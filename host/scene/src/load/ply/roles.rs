@@ -10,7 +10,8 @@
 //!
 //! In files that split the vertices over several elements, `x` of `vertex_normal` is `nx`, `r` of `vertex_color` (or of an
 //! element `color`) is `red`, and `0`, `1` of `vertex_NAME` are components of `NAME`. Whatever has no meaning here is kept
-//! under its name; `NAME[0]`, `NAME[1]` … become one column.
+//! under its name; `NAME[0]`, `NAME[1]` … become one column. Some renderers know such names: `clip_a0` … are lines that end surfels
+//! at sharp edges (`pointstage_plugin_api::clip`).
 
 use super::table::{Field, Table};
 use crate::geometry::ScalarType;
