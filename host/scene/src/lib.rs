@@ -30,7 +30,9 @@ pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType
 pub use job::{Cancelled, Job};
 pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
-    Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Place, PlyError, Winding, load,
+    BuildError, Claim, ColumnRole, ColumnSpec, Contents, Estimation, FaceRadius, FileStart,
+    FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderInfo, Loaders,
+    ObjectBuilder, Place, PlyError, START_BYTES, SourceFile, Winding, load, load_with,
 };
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};

@@ -169,7 +169,7 @@ fn in_place_of(old: &Object, new: Object) -> Object {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pointstage_scene::{Block, Geometry, Origins, Warnings};
+    use pointstage_scene::{Block, Geometry, LoaderInfo, Origins, Warnings};
     use std::sync::Arc;
 
     fn loaded(name: &str) -> Loaded {
@@ -183,6 +183,7 @@ mod tests {
                 glam::DVec3::ZERO,
                 Geometry::new(vec![block], None, Origins::default()),
             ),
+            loader: LoaderInfo::default(),
             warnings: Warnings::new(),
         }
     }

@@ -19,10 +19,10 @@ const FAR_FROM_ORIGIN: f64 = 16.0;
 
 /// What placing the vertices found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
-    pub(super) bounds: Bounds,
-    pub(super) not_finite: usize,
-    pub(super) without_radius: usize,
+pub(in crate::load) struct Placed {
+    pub(in crate::load) bounds: Bounds,
+    pub(in crate::load) not_finite: usize,
+    pub(in crate::load) without_radius: usize,
 }
 
 impl Default for Placed {
@@ -48,7 +48,7 @@ impl Placed {
 /// The origin for a box: 0, or a round number near its centre when it is far from 0 for its size.
 ///
 /// The number is a multiple of a power of two close to the box's size, so that subtracting it from an f32 is exact.
-pub(super) fn origin_for(bounds: &Bounds) -> DVec3 {
+pub(in crate::load) fn origin_for(bounds: &Bounds) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;
     }
@@ -70,7 +70,7 @@ fn usable([x, y, z]: [f64; 3]) -> bool {
 }
 
 /// Centres (less `origin`) and radii of the selected rows.
-pub(super) fn place(
+pub(in crate::load) fn place(
     roles: &Roles<'_>,
     rows: &RowSelection,
     origin: DVec3,
@@ -104,7 +104,7 @@ pub(super) fn place(
 }
 
 /// New index of each row: rows that cannot be placed get `u32::MAX`, the others count on.
-pub(super) fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u32> {
+pub(in crate::load) fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u32> {
     let fields = [Some(roles.x), Some(roles.y), roles.z];
     let rows = RowSelection::All(row_count);
     let mut next = 0;

@@ -1,0 +1,163 @@
+//! What a loader is: a format's name, its look, and how to read it.
+
+use std::fmt::Debug;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::LoadOptions;
+use super::error::LoadStop;
+use super::source::Source;
+use crate::geometry::Geometry;
+use crate::job::Job;
+use crate::warnings::Warnings;
+
+/// Bytes at a file's start that a loader sees before it claims the file.
+pub const START_BYTES: usize = 4096;
+
+/// A loader of one file format: built in, or a plugin's.
+pub trait Loader: Send + Sync + Debug {
+    /// Its names.
+    fn info(&self) -> &LoaderInfo;
+
+    /// How sure it is that the file is its own. Cheap: it is asked about every file.
+    fn claims(&self, start: &FileStart<'_>) -> Claim;
+
+    /// Reads the file. Thread: any; reports to `job` and stops within 200 ms once that is cancelled.
+    ///
+    /// # Errors
+    /// The file says something that cannot be, with the place in the file; or the job was cancelled.
+    fn load(
+        &self,
+        file: &SourceFile,
+        options: &LoadOptions,
+        job: &Job,
+    ) -> Result<Contents, LoadStop>;
+}
+
+/// Names of a loader.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoaderInfo {
+    /// Reverse-domain name: `org.pointstage.ply`.
+    pub id: String,
+    /// Short name for command lines: `ply`.
+    pub alias: String,
+    /// The format's name for people.
+    pub title: String,
+    /// Extensions of its files, lower case, without the dot.
+    pub extensions: Vec<String>,
+}
+
+impl LoaderInfo {
+    /// That of a loader that comes with the program.
+    pub(super) fn built_in(alias: &str, title: &str, extensions: &[&str]) -> Self {
+        Self {
+            id: format!("org.pointstage.{alias}"),
+            alias: alias.to_owned(),
+            title: title.to_owned(),
+            extensions: extensions.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// Whether `key` is its id or its alias.
+    pub fn is_called(&self, key: &str) -> bool {
+        self.id == key || self.alias == key
+    }
+
+    /// Whether its files have this extension; lower case, without the dot.
+    pub fn has_extension(&self, extension: &str) -> bool {
+        self.extensions.iter().any(|own| own == extension)
+    }
+}
+
+/// What a loader sees of a file before it claims it.
+#[derive(Clone, Copy, Debug)]
+pub struct FileStart<'a> {
+    /// The first [`START_BYTES`], or all if there are fewer.
+    pub bytes: &'a [u8],
+    /// The file's name, without its folder.
+    pub name: &'a str,
+    /// Length of the file, bytes.
+    pub length: u64,
+}
+
+impl FileStart<'_> {
+    /// Extension of the name, lower case, without the dot; empty if it has none.
+    pub fn extension(&self) -> String {
+        let extension = Path::new(self.name).extension();
+        extension.map_or_else(String::new, |extension| {
+            extension.to_string_lossy().to_ascii_lowercase()
+        })
+    }
+}
+
+/// How sure a loader is that a file is its own, by what the file holds. The extension is weighed by who asks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Claim {
+    /// It is not: the content contradicts.
+    #[default]
+    No,
+    /// The content neither says so nor contradicts; the extension decides.
+    Possible,
+    /// It looks like it.
+    Likely,
+    /// It has the format's signature.
+    Certain,
+}
+
+/// A file that is being loaded: its path and its bytes, mapped into memory.
+#[derive(Debug)]
+pub struct SourceFile {
+    path: PathBuf,
+    source: Source,
+}
+
+impl SourceFile {
+    /// Maps a regular file.
+    ///
+    /// # Errors
+    /// It is not there, may not be read, or is no regular file.
+    pub fn open(path: &Path) -> std::io::Result<Self> {
+        Ok(Self {
+            path: path.to_path_buf(),
+            source: Source::open(path)?,
+        })
+    }
+
+    /// Where it is, for files that it names beside itself.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its bytes. They may change under the reader if somebody writes the file meanwhile; their number does not.
+    pub fn bytes(&self) -> &[u8] {
+        &self.source
+    }
+
+    /// The map itself, which can be told what has been read.
+    pub(super) fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Its name, without the folder.
+    pub(super) fn name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    /// Tells the system that the bytes have been read, so that they no longer count as our memory.
+    pub fn release(&self) {
+        self.source.release(0..self.source.len());
+    }
+}
+
+/// What a loader made of a file.
+#[derive(Debug)]
+pub struct Contents {
+    /// What the columns' positions are relative to.
+    pub origin: DVec3,
+    /// The surfels, and triangles if it is a mesh.
+    pub geometry: Geometry,
+    /// What was done, but not as asked.
+    pub warnings: Warnings,
+}
