@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::LoadOptions;
 use super::error::LoadStop;
@@ -156,6 +156,8 @@ impl SourceFile {
 pub struct Contents {
     /// What the columns' positions are relative to.
     pub origin: DVec3,
+    /// Where the object stands, if the file says so: `world = world_from_object · (origin + local)`.
+    pub world_from_object: DAffine3,
     /// The surfels, and triangles if it is a mesh.
     pub geometry: Geometry,
     /// What was done, but not as asked.

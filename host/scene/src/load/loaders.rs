@@ -10,6 +10,9 @@ use super::error::{LoadError, excerpt};
 use super::loader::{Claim, FileStart, Loader, LoaderInfo, START_BYTES, SourceFile};
 use super::not_read::not_read;
 use super::ply::PlyLoader;
+use super::qs::QsLoader;
+use super::sfl::SflLoader;
+use super::tri::TriLoader;
 
 /// Loaders, in the order in which they are asked: those that come with the program first.
 ///
@@ -43,7 +46,12 @@ impl Loaders {
     /// Those that come with the program.
     pub fn built_in() -> Self {
         Self {
-            built_in: vec![Arc::new(PlyLoader::new())],
+            built_in: vec![
+                Arc::new(PlyLoader::new()),
+                Arc::new(SflLoader::new()),
+                Arc::new(QsLoader::new()),
+                Arc::new(TriLoader::new()),
+            ],
             others: None,
         }
     }

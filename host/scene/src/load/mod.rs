@@ -5,6 +5,7 @@
 //! format here, write a [`Loader`] and enter it in `loaders`; a stranger's comes as a plugin.
 
 mod assemble;
+mod columns;
 mod error;
 pub(crate) mod fill;
 mod loader;
@@ -12,7 +13,10 @@ mod loaders;
 mod not_read;
 mod object_builder;
 mod ply;
+mod qs;
+mod sfl;
 pub(crate) mod source;
+mod tri;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,6 +26,9 @@ pub use loader::{Claim, Contents, FileStart, Loader, LoaderInfo, START_BYTES, So
 pub use loaders::Loaders;
 pub use object_builder::{BuildError, ColumnRole, ColumnSpec, ObjectBuilder};
 pub use ply::PlyError;
+pub use qs::QsError;
+pub use sfl::SflError;
+pub use tri::TriError;
 
 use pointstage_plugin_api::settings_schema::SettingValues;
 
@@ -122,6 +129,7 @@ pub fn load_with(
     let loader: Arc<dyn Loader> = loaders.choose(&file, options.loader.as_deref())?;
     let Contents {
         origin,
+        world_from_object,
         geometry,
         warnings,
     } = loader
@@ -132,6 +140,7 @@ pub fn load_with(
         |stem| stem.to_string_lossy().into_owned(),
     );
     let mut object = Object::new(name, origin, geometry);
+    object.world_from_object = world_from_object;
     object.source = Some(path.to_path_buf());
     tracing::debug!(
         loader = loader.info().id,

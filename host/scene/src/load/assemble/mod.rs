@@ -14,12 +14,13 @@ mod table;
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 pub(in crate::load) use build::{Built, build};
 pub(in crate::load) use corners::{
     CornerLists, Corners, FaceKind, MOST_VERTICES, Triangles, corner_from,
 };
+pub(in crate::load) use place::{MAX_COORDINATE, Placed, origin_for, usable};
 pub(in crate::load) use roles::{NamedRole, Roles};
 pub(in crate::load) use table::{ByteOrder, Field, Table, TableColumn, read_integer, write_native};
 
@@ -99,6 +100,7 @@ pub(in crate::load) fn finish(
     job.set_progress(1.0);
     Ok(Contents {
         origin,
+        world_from_object: DAffine3::IDENTITY,
         geometry,
         warnings,
     })

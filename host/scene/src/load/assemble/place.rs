@@ -11,7 +11,7 @@ use crate::job::{Cancelled, Job};
 use crate::load::fill::{Column, PIECE_SURFELS, fill_blocks};
 
 /// Largest coordinate taken for one: squares of larger ones leave the range of f32.
-const MAX_COORDINATE: f64 = 1e18;
+pub(in crate::load) const MAX_COORDINATE: f64 = 1e18;
 
 /// Positions get an origin of their own when they are farther from 0 than this many times their box is large: f32 then
 /// keeps less than a millionth of the box, 16 · 2⁻²⁴.
@@ -36,7 +36,8 @@ impl Default for Placed {
 }
 
 impl Placed {
-    fn merge(self, other: Self) -> Self {
+    /// Both together.
+    pub(in crate::load) fn merge(self, other: Self) -> Self {
         Self {
             bounds: self.bounds.union(other.bounds),
             not_finite: self.not_finite + other.not_finite,
@@ -64,7 +65,9 @@ pub(in crate::load) fn origin_for(bounds: &Bounds) -> DVec3 {
     (bounds.centre() / step).round() * step
 }
 
-fn usable([x, y, z]: [f64; 3]) -> bool {
+/// Whether a surfel can stand there.
+#[inline]
+pub(in crate::load) fn usable([x, y, z]: [f64; 3]) -> bool {
     // Written so that NaN fails.
     x.abs() <= MAX_COORDINATE && y.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE
 }

@@ -13,7 +13,7 @@ mod binary;
 mod body;
 mod error;
 mod header;
-mod number;
+pub(in crate::load) mod number;
 mod plan;
 mod row;
 mod text;
