@@ -17,6 +17,7 @@ mod job;
 mod light;
 mod light_by_hand;
 mod load;
+mod save;
 mod scene;
 mod warnings;
 
@@ -35,5 +36,6 @@ pub use load::{
     ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError, Winding,
     load, load_with,
 };
+pub use save::{SaveError, save_ply, save_sfl, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};

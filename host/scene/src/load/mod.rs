@@ -14,7 +14,7 @@ mod not_read;
 mod object_builder;
 mod ply;
 mod qs;
-mod sfl;
+pub(crate) mod sfl;
 pub(crate) mod source;
 mod tri;
 

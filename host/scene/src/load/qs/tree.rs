@@ -173,7 +173,10 @@ impl<'a> Model<'a> {
                 return Err(QsError::Value {
                     byte,
                     what: "pointer to the groups of children",
-                    expected: format!("{length} to {} bytes ahead", rest.len().max(1) - 1),
+                    expected: format!(
+                        "{length} or more, and less than the {} to the end",
+                        rest.len()
+                    ),
                     found: pointer.to_string(),
                 });
             }

@@ -32,8 +32,8 @@ mod tags;
 use glam::DAffine3;
 
 pub use error::SflError;
-pub(in crate::load) use property::{NAMED, Property, SET_COLUMN};
-pub(in crate::load) use tags::Tag;
+pub(crate) use property::{NAMED, NamedProperty, Property, SET_COLUMN};
+pub(crate) use tags::Tag;
 
 use super::LoadOptions;
 use super::assemble::{AssembleError, finish};

@@ -13,17 +13,17 @@ use crate::geometry::ScalarType;
 
 /// A property, by its bit in the mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::load) struct Property(pub(in crate::load) u16);
+pub(crate) struct Property(pub(crate) u16);
 
 impl Property {
-    pub(in crate::load) const POSITION: Self = Self(0);
-    pub(in crate::load) const NORMAL: Self = Self(1);
-    pub(in crate::load) const RADIUS: Self = Self(4);
+    pub(crate) const POSITION: Self = Self(0);
+    pub(crate) const NORMAL: Self = Self(1);
+    pub(crate) const RADIUS: Self = Self(4);
     pub(super) const DENSITY: Self = Self(6);
     pub(super) const AMBIENT: Self = Self(8);
-    pub(in crate::load) const DIFFUSE: Self = Self(10);
+    pub(crate) const DIFFUSE: Self = Self(10);
     pub(super) const SPECULAR: Self = Self(12);
-    pub(in crate::load) const AXES: Self = Self(24);
+    pub(crate) const AXES: Self = Self(24);
     pub(super) const FLAGS: Self = Self(27);
     /// Two rays that the reference writer puts over whatever else is in the record.
     pub(super) const RAYS: [Self; 2] = [Self(33), Self(34)];
@@ -31,19 +31,19 @@ impl Property {
     pub(super) const COUNT: usize = 36;
 
     /// Is it one of the three colours?
-    pub(in crate::load) fn is_colour(self) -> bool {
+    pub(crate) fn is_colour(self) -> bool {
         [Self::AMBIENT, Self::DIFFUSE, Self::SPECULAR].contains(&self)
     }
 }
 
 /// A property kept under a name.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::load) struct NamedProperty {
-    pub(in crate::load) property: Property,
-    pub(in crate::load) name: &'static str,
-    pub(in crate::load) scalar: ScalarType,
+pub(crate) struct NamedProperty {
+    pub(crate) property: Property,
+    pub(crate) name: &'static str,
+    pub(crate) scalar: ScalarType,
     /// Components; of colours 4, whatever the file's model.
-    pub(in crate::load) components: usize,
+    pub(crate) components: usize,
 }
 
 const fn named(
@@ -61,7 +61,7 @@ const fn named(
 }
 
 /// The properties that have no column of their own kind, by rising bit.
-pub(in crate::load) const NAMED: [NamedProperty; 17] = [
+pub(crate) const NAMED: [NamedProperty; 17] = [
     named(5, "weight", ScalarType::F32, 1),
     named(6, "sampling_density", ScalarType::F32, 3),
     named(7, "texture_uv", ScalarType::F32, 2),
@@ -82,7 +82,7 @@ pub(in crate::load) const NAMED: [NamedProperty; 17] = [
 ];
 
 /// Name of the column that tells the sets of a file apart.
-pub(in crate::load) const SET_COLUMN: &str = "surfel_set";
+pub(crate) const SET_COLUMN: &str = "surfel_set";
 
 /// The bit of [`Property::FLAGS`] that asks not to draw a surfel.
 pub(super) const INVISIBLE: u32 = 0x400;

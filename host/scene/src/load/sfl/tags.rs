@@ -5,15 +5,15 @@ use super::error::SflError;
 
 /// A tag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::load) struct Tag {
-    pub(in crate::load) number: u16,
-    pub(in crate::load) name: &'static str,
+pub(crate) struct Tag {
+    pub(crate) number: u16,
+    pub(crate) name: &'static str,
 }
 
 macro_rules! tags {
     ($($constant:ident = $number:literal, $name:literal;)*) => {
         impl Tag {
-            $(pub(in crate::load) const $constant: Self = Self { number: $number, name: $name };)*
+            $(pub(crate) const $constant: Self = Self { number: $number, name: $name };)*
         }
     };
 }
