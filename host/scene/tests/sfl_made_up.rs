@@ -7,6 +7,7 @@ mod support;
 
 use glam::{DAffine3, DVec3, Vec3};
 use pointstage_plugin_api::columns::TangentAxes;
+use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
 use pointstage_scene::{Block, Estimation, LoadOptions, Loaded, Provenance, WarningKind};
 use sfl::{Set, be, file, floats, u32s};
 use support::load_bytes;
@@ -148,6 +149,16 @@ fn the_resolution_that_the_file_names_is_shown() {
             .surfel_count,
         5
     );
+    for (choice, count) in [("finest", 5), ("coarsest", 1)] {
+        let value = SettingValue::Choice(choice.to_owned());
+        let options = LoadOptions {
+            settings: SettingValues::from([("resolution".to_owned(), value)]),
+            ..LoadOptions::default()
+        };
+        let bytes = file(&[], std::slice::from_ref(&set));
+        let loaded = load_bytes(&bytes, options).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(loaded.object.geometry.surfel_count, count, "{choice}");
+    }
     set.entries = vec![u32s(0x141, &[3])];
     let error = message(&file(&[], &[set]));
     assert!(

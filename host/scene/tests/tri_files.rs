@@ -1,8 +1,5 @@
 //! TRI files made up here, after the guess that `load/tri` describes: no file of the format's own program is known.
 
-#[path = "support/mod.rs"]
-mod support;
-
 use std::io::Write as _;
 
 use pointstage_scene::{

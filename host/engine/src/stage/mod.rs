@@ -33,6 +33,7 @@ mod viewport;
 
 pub use ids::{IdSource, IdTable, Identified};
 pub use options::{FrameError, StageError, StageOptions};
+pub(crate) use prepare::setting_records;
 pub use request::*;
 pub use selection::SelectionError;
 pub use session::{Adapter, FALLBACK_ID, Stage};

@@ -4,6 +4,9 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
+pub use pointstage_plugin_api::loading::{Claim, FileStart, START_BYTES};
+
+use pointstage_plugin_api::settings_schema::SettingSchema;
 
 use super::LoadOptions;
 use super::error::LoadStop;
@@ -12,12 +15,9 @@ use crate::geometry::Geometry;
 use crate::job::Job;
 use crate::warnings::Warnings;
 
-/// Bytes at a file's start that a loader sees before it claims the file.
-pub const START_BYTES: usize = 4096;
-
 /// A loader of one file format: built in, or a plugin's.
 pub trait Loader: Send + Sync + Debug {
-    /// Its names.
+    /// Its names and options.
     fn info(&self) -> &LoaderInfo;
 
     /// How sure it is that the file is its own. Cheap: it is asked about every file.
@@ -35,8 +35,8 @@ pub trait Loader: Send + Sync + Debug {
     ) -> Result<Contents, LoadStop>;
 }
 
-/// Names of a loader.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Names and options of a loader.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoaderInfo {
     /// Reverse-domain name: `org.pointstage.ply`.
     pub id: String,
@@ -46,6 +46,8 @@ pub struct LoaderInfo {
     pub title: String,
     /// Extensions of its files, lower case, without the dot.
     pub extensions: Vec<String>,
+    /// Its own options, for [`LoadOptions::settings`].
+    pub settings: Vec<SettingSchema>,
 }
 
 impl LoaderInfo {
@@ -56,6 +58,7 @@ impl LoaderInfo {
             alias: alias.to_owned(),
             title: title.to_owned(),
             extensions: extensions.iter().map(ToString::to_string).collect(),
+            settings: Vec::new(),
         }
     }
 
@@ -68,41 +71,6 @@ impl LoaderInfo {
     pub fn has_extension(&self, extension: &str) -> bool {
         self.extensions.iter().any(|own| own == extension)
     }
-}
-
-/// What a loader sees of a file before it claims it.
-#[derive(Clone, Copy, Debug)]
-pub struct FileStart<'a> {
-    /// The first [`START_BYTES`], or all if there are fewer.
-    pub bytes: &'a [u8],
-    /// The file's name, without its folder.
-    pub name: &'a str,
-    /// Length of the file, bytes.
-    pub length: u64,
-}
-
-impl FileStart<'_> {
-    /// Extension of the name, lower case, without the dot; empty if it has none.
-    pub fn extension(&self) -> String {
-        let extension = Path::new(self.name).extension();
-        extension.map_or_else(String::new, |extension| {
-            extension.to_string_lossy().to_ascii_lowercase()
-        })
-    }
-}
-
-/// How sure a loader is that a file is its own, by what the file holds. The extension is weighed by who asks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Claim {
-    /// It is not: the content contradicts.
-    #[default]
-    No,
-    /// The content neither says so nor contradicts; the extension decides.
-    Possible,
-    /// It looks like it.
-    Likely,
-    /// It has the format's signature.
-    Certain,
 }
 
 /// A file that is being loaded: its path and its bytes, mapped into memory.

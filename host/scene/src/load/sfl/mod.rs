@@ -11,7 +11,7 @@
 //! | right, up and back directions | positions, normals and axes are turned into x, y and z; radii stay, as in PointShop3D |
 //! | transform of the only set | the object's transform; a mere translation is its origin |
 //! | transforms of several sets | applied, radii by the cube root of the determinant; column `surfel_set` tells the sets apart |
-//! | resolutions | the one that the file names is loaded |
+//! | resolutions | the one that the file names is loaded, or the finest, or the coarsest (`resolution`) |
 //! | colour model L, LA, RGB, RGBA, YUV, YUVA | sRGB with alpha |
 //! | properties | see `property` |
 //! | titles, units, camera, markers, feature relations, boxes | left out |
@@ -25,6 +25,7 @@ mod error;
 mod layout;
 mod normal;
 mod property;
+mod resolution;
 mod rows;
 mod sets;
 mod tags;
@@ -42,6 +43,7 @@ use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
 use super::source::Source;
 use crate::job::Job;
 use crate::warnings::{WarningKind, Warnings};
+use resolution::Resolution;
 use rows::{Placement, Rows};
 use sets::SurfelFile;
 
@@ -54,7 +56,10 @@ pub(super) struct SflLoader {
 impl SflLoader {
     pub(super) fn new() -> Self {
         Self {
-            info: LoaderInfo::built_in("sfl", "PointShop3D surfels (SFL)", &["sfl"]),
+            info: LoaderInfo {
+                settings: Resolution::settings(),
+                ..LoaderInfo::built_in("sfl", "PointShop3D surfels (SFL)", &["sfl"])
+            },
         }
     }
 }
@@ -78,18 +83,24 @@ impl Loader for SflLoader {
         options: &LoadOptions,
         job: &Job,
     ) -> Result<Contents, LoadStop> {
-        read(file.source(), options, job)
+        let resolution = Resolution::from_values(&self.info.settings, &options.settings)?;
+        read(file.source(), resolution, options, job)
     }
 }
 
 /// Reads the bytes of an SFL file.
-fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, LoadStop> {
+fn read(
+    file: &Source,
+    resolution: Resolution,
+    options: &LoadOptions,
+    job: &Job,
+) -> Result<Contents, LoadStop> {
     let mut warnings = Warnings::new();
     job.set_stage("reading the file");
     let SurfelFile {
         standard_from_file,
         sets,
-    } = SurfelFile::read(file, &mut warnings)?;
+    } = SurfelFile::read(file, resolution, &mut warnings)?;
     let only = match sets.as_slice() {
         [only] => Some(only),
         _ => None,

@@ -5,6 +5,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::container::{Container, Directory};
 use super::error::SflError;
 use super::layout::Layout;
+use super::resolution::Resolution;
 use super::tags::{Tag, check_unused, floats, u32_one};
 use crate::load::assemble::MAX_COORDINATE;
 use crate::warnings::{WarningKind, Warnings};
@@ -30,7 +31,11 @@ pub(super) struct SurfelSet<'a> {
 
 impl<'a> SurfelFile<'a> {
     /// Reads the directories and finds the records.
-    pub(super) fn read(file: &'a [u8], warnings: &mut Warnings) -> Result<Self, SflError> {
+    pub(super) fn read(
+        file: &'a [u8],
+        resolution: Resolution,
+        warnings: &mut Warnings,
+    ) -> Result<Self, SflError> {
         let (mut container, root) = Container::open(file)?;
         check_unused(&container, &root)?;
         let standard_from_file = axes(&container, &root, warnings)?;
@@ -56,7 +61,7 @@ impl<'a> SurfelFile<'a> {
                 let expected = format!("{index} as there are directories");
                 too_few(Tag::SET_COUNT, &list, &expected, set_count)
             })?;
-            let set = SurfelSet::read(&mut container, &directory, warnings)?;
+            let set = SurfelSet::read(&mut container, &directory, resolution, warnings)?;
             // Records that overlap would make much of little.
             bytes_left = bytes_left
                 .checked_sub(set.records.len())
@@ -81,6 +86,7 @@ impl<'a> SurfelSet<'a> {
     fn read(
         container: &mut Container<'a>,
         directory: &Directory<'a>,
+        resolution: Resolution,
         warnings: &mut Warnings,
     ) -> Result<Self, SflError> {
         check_unused(container, directory)?;
@@ -113,22 +119,39 @@ impl<'a> SurfelSet<'a> {
             let expected = format!("one below the {level_count} resolutions");
             return Err(too_few(Tag::SHOWN_LEVEL, directory, &expected, shown));
         }
-        let level = container.child(directory, shown)?.ok_or_else(|| {
-            too_few(
-                Tag::LEVEL_COUNT,
-                directory,
-                "as many as there are directories",
-                level_count,
-            )
-        })?;
+        // What lies behind the resolution that is wanted need not be there.
+        let wanted = match resolution {
+            Resolution::AsFile => shown,
+            Resolution::Finest | Resolution::Coarsest => last,
+        };
+        let mut levels = Vec::new();
+        let mut next = container.first_child(directory)?;
+        for index in 0..=wanted {
+            let level = next.ok_or_else(|| {
+                let expected = format!("{index} as there are directories");
+                too_few(Tag::LEVEL_COUNT, directory, &expected, level_count)
+            })?;
+            next = if index < wanted {
+                container.next_sibling(&level)?
+            } else {
+                None
+            };
+            levels.push(level);
+        }
+        let counts: Vec<u32> = levels
+            .iter()
+            .map(|level| Ok(u32_one(container, level, Tag::SURFEL_COUNT)?.unwrap_or(0)))
+            .collect::<Result<_, SflError>>()?;
+        let chosen = resolution.choose(&counts, shown as usize);
         if last > 0 {
             let text = format!(
-                "resolution {} of {level_count} is shown, as the file says; the others are left out",
-                shown + 1
+                "resolution {} of {level_count} is loaded, the others are left out",
+                chosen + 1
             );
             warnings.add(WarningKind::Other(text), 1);
         }
-        set.read_records(container, &level)?;
+        let level = &levels[chosen];
+        set.read_records(container, level)?;
         Ok(set)
     }
 
