@@ -137,7 +137,7 @@ fn the_resolution_that_the_file_names_is_shown() {
     let loaded = read(&file(&[], &[set.clone()]));
     assert_eq!(loaded.object.geometry.surfel_count, 1, "the last one");
     assert!(
-        texts(&loaded).contains("resolution 3 of 3"),
+        texts(&loaded).contains("another one of its set is loaded (2 times)"),
         "{}",
         texts(&loaded)
     );
@@ -354,4 +354,26 @@ fn damage_is_told_with_its_place() {
     ] {
         assert!(error.contains(part), "{error}, expected '{part}'");
     }
+}
+
+#[test]
+fn sets_that_share_their_records_are_refused() {
+    let large = disks(&[[1.0, 0.0, 0.0, 1.0]; 100]);
+    let small = disks(&[[1.0, 0.0, 0.0, 1.0]]);
+    let mut bytes = file(&[], &[large, small.clone(), small]);
+    // Number of surfels and block of each resolution; the last set's come first.
+    let starts: Vec<usize> = (0..bytes.len() - 24)
+        .filter(|at| {
+            let is_tag = |at: usize, tag: u8| bytes[at..at + 2] == [1, tag];
+            at % 4 == 0 && is_tag(*at, 0x70) && is_tag(at + 12, 0x71)
+        })
+        .collect();
+    let [first, second, of_large] = starts[..] else {
+        panic!("{starts:?}");
+    };
+    for start in [first, second] {
+        bytes.copy_within(of_large..of_large + 24, start);
+    }
+    let error = message(&bytes);
+    assert!(error.contains("overlap"), "{error}");
 }

@@ -2,10 +2,11 @@
 //!
 //! A file is fragments one behind the other: comments, and models. Of each model the leaves are loaded as surfels, with the
 //! sphere's centre and radius, the normal and the colour; inner nodes, which are coarser versions, are left out. `tree` walks
-//! to the leaves, `codes` tells what the bits of a node mean. Everything is read for what room it leaves in the file, so a
-//! small file never takes much memory.
+//! to the leaves, `codes` tells what the bits of a node mean. No more nodes are visited than the file has room for, so a small
+//! file never takes much memory.
 //!
-//! The format: S. Rusinkiewicz, M. Levoy, *QSplat: A Multiresolution Point Rendering System for Large Meshes*, SIGGRAPH 2000.
+//! The tree: S. Rusinkiewicz, M. Levoy, *QSplat: A Multiresolution Point Rendering System for Large Meshes*, SIGGRAPH 2000;
+//! its bits in the file are those of the authors' program.
 
 mod codes;
 mod error;
@@ -181,11 +182,8 @@ fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Loa
         )?;
         let found = columns.position_radius.len() - before;
         if found != model.leaf_count as usize {
-            let text = format!(
-                "a model has {found} points, and {} by its header",
-                model.leaf_count
-            );
-            warnings.add(WarningKind::Other(text), 1);
+            let text = "a model has another number of points than its header says";
+            warnings.add(WarningKind::Other(text.into()), 1);
         }
     }
     let count = columns.position_radius.len();

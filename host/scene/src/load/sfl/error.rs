@@ -50,6 +50,14 @@ pub enum SflError {
         /// Where the directory starts.
         byte: u64,
     },
+    /// Sets whose records add up to more than the file.
+    #[error(
+        "byte {byte}: expected records of its own for the set of this directory, found that the sets' records together are longer than the file: they overlap; the file is damaged, export it again"
+    )]
+    Overlap {
+        /// Where the directory of the set starts.
+        byte: u64,
+    },
     /// A tag that is not there.
     #[error(
         "byte {byte}: expected tag {tag} in the directory of {what}, found none; the file is damaged, export it again"

@@ -6,6 +6,9 @@ use super::normal::CubicCode;
 use super::property::{ColourModel, NAMED, Property};
 use super::tags::{Tag, u16_list, u32_list, u32_one};
 
+/// Far more properties than there are. Sets can share a list, so one that filled the file would be read again and again.
+const MOST_PROPERTIES: usize = 4096;
+
 /// How normals are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NormalForm {
@@ -22,7 +25,7 @@ pub(super) struct Layout {
     pub(super) normal_form: NormalForm,
     pub(super) colour_model: Option<ColourModel>,
     /// Offset of each property in a record; all of it lies inside.
-    offsets: [Option<usize>; Property::COUNT],
+    offsets: [Option<u32>; Property::COUNT],
     /// The rays are listed, which the reference writer put over other properties.
     pub(super) has_rays: bool,
 }
@@ -31,7 +34,8 @@ impl Layout {
     /// Where a property starts in a record, if the records have it.
     #[inline]
     pub(super) fn offset(&self, property: Property) -> Option<usize> {
-        self.offsets.get(usize::from(property.0)).copied().flatten()
+        let offset = self.offsets.get(usize::from(property.0)).copied().flatten();
+        offset.map(|offset| offset as usize)
     }
 
     /// Bytes of a property; `None` if it is unknown or none.
@@ -81,6 +85,14 @@ impl Layout {
                 found: offsets.len().to_string(),
             });
         }
+        if indices.len() > MOST_PROPERTIES {
+            return Err(SflError::Value {
+                byte: Tag::PROPERTY_INDICES.byte(set),
+                what: "property numbers".into(),
+                expected: format!("{MOST_PROPERTIES} or fewer"),
+                found: indices.len().to_string(),
+            });
+        }
         let is_in_mask = |index: u16| {
             let word = mask.get(usize::from(index / 32)).unwrap_or(0);
             word >> (index % 32) & 1 == 1
@@ -123,7 +135,7 @@ impl Layout {
             let follows = only_axes && [Property::NORMAL, Property::RADIUS].contains(&property);
             let slot = &mut layout.offsets[usize::from(property.0)];
             if !follows && slot.is_none() {
-                *slot = Some(offset as usize);
+                *slot = Some(offset);
             }
         }
         Ok(layout)

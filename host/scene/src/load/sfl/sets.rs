@@ -65,7 +65,7 @@ impl<'a> SurfelFile<'a> {
             // Records that overlap would make much of little.
             bytes_left = bytes_left
                 .checked_sub(set.records.len())
-                .ok_or(SflError::Cycle {
+                .ok_or(SflError::Overlap {
                     byte: directory.byte,
                 })?;
             sets.push(set);
@@ -143,13 +143,8 @@ impl<'a> SurfelSet<'a> {
             .map(|level| Ok(u32_one(container, level, Tag::SURFEL_COUNT)?.unwrap_or(0)))
             .collect::<Result<_, SflError>>()?;
         let chosen = resolution.choose(&counts, shown as usize);
-        if last > 0 {
-            let text = format!(
-                "resolution {} of {level_count} is loaded, the others are left out",
-                chosen + 1
-            );
-            warnings.add(WarningKind::Other(text), 1);
-        }
+        let text = "a resolution is left out, since another one of its set is loaded";
+        warnings.add(WarningKind::Other(text.into()), u64::from(last));
         let level = &levels[chosen];
         set.read_records(container, level)?;
         Ok(set)
