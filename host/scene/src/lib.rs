@@ -31,8 +31,9 @@ pub use job::{Cancelled, Job};
 pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
     BuildError, Claim, ColumnRole, ColumnSpec, Contents, Estimation, FaceRadius, FileStart,
-    FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderInfo, Loaders,
-    ObjectBuilder, Place, PlyError, START_BYTES, SourceFile, Winding, load, load_with,
+    FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderChoice, LoaderInfo,
+    Loaders, ObjectBuilder, Place, PlyError, START_BYTES, SourceFile, UnknownLoader, Winding, load,
+    load_with,
 };
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};
