@@ -32,9 +32,9 @@ pub use job::{Cancelled, Job};
 pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
     BuildError, Claim, ColumnRole, ColumnSpec, Contents, Estimation, FaceRadius, FileStart,
-    FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderInfo, Loaders,
-    ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError, Winding,
-    load, load_with,
+    FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderChoice, LoaderInfo,
+    Loaders, ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError,
+    UnknownLoader, Winding, load, load_with,
 };
 pub use save::{SaveError, save_ply, save_sfl, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};

@@ -9,7 +9,7 @@ mod support;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pointstage_scene::LoadOptions;
+use pointstage_scene::{LoadOptions, LoaderChoice};
 use sfl::{Set, be, floats, u32s};
 use support::load_bytes;
 
@@ -270,7 +270,10 @@ fn damaged_files_neither_panic_nor_take_much_memory() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for Seed { loader, bytes } in seeds() {
         let options = || LoadOptions {
-            loader: Some(loader.to_owned()),
+            loader: Some(LoaderChoice {
+                loader: loader.to_owned(),
+                ..LoaderChoice::default()
+            }),
             ..LoadOptions::default()
         };
         load_bytes(&bytes, options()).unwrap_or_else(|error| panic!("{loader}: {error}"));

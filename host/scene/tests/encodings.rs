@@ -19,7 +19,6 @@ const TYPES: [&str; 8] = [
 
 const FILE_ONLY: LoadOptions = LoadOptions {
     loader: None,
-    settings: std::collections::BTreeMap::new(),
     estimation: Estimation::FileOnly,
     face_radius: pointstage_scene::FaceRadius::EnclosingCircle,
     winding: pointstage_scene::Winding::AsInFile,

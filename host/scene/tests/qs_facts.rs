@@ -54,10 +54,9 @@ fn every_file_has_the_leaves_of_its_facts() {
         assert!(loaded.warnings.is_empty(), "{name}: {:?}", loaded.warnings);
         let text = std::fs::read_to_string(folder.join(format!("qs/{name}.json"))).unwrap();
         let facts: Value = serde_json::from_str(&text).unwrap();
-        let models = facts["fragments"].as_array().unwrap().iter();
+        let mut models = facts["fragments"].as_array().unwrap().iter();
         let model = models
-            .filter(|fragment| fragment["kind"] == "model")
-            .next_back()
+            .rfind(|fragment| fragment["kind"] == "model")
             .unwrap();
         let found = surfels(&loaded);
         assert_eq!(

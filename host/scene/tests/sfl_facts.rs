@@ -48,8 +48,9 @@ fn read(path: &Path) -> Result<Loaded, String> {
 }
 
 fn json(path: &Path) -> Value {
-    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path:?}: {error}"));
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path:?}: {error}"))
+    let text =
+        std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// The SFL files of a folder.
@@ -414,7 +415,8 @@ fn files_cut_anywhere_are_refused_or_whole() {
                 let count = loaded.object.geometry.surfel_count;
                 assert!(
                     count == whole || !loaded.warnings.is_empty(),
-                    "{path:?} cut to {}: {count} surfels of {whole} without a word",
+                    "{} cut to {}: {count} surfels of {whole} without a word",
+                    path.display(),
                     cut.len()
                 );
             }

@@ -8,7 +8,9 @@ mod support;
 use glam::{DAffine3, DVec3, Vec3};
 use pointstage_plugin_api::columns::TangentAxes;
 use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
-use pointstage_scene::{Block, Estimation, LoadOptions, Loaded, Provenance, WarningKind};
+use pointstage_scene::{
+    Block, Estimation, LoadOptions, Loaded, LoaderChoice, Provenance, WarningKind,
+};
 use sfl::{Set, be, file, floats, u32s};
 use support::load_bytes;
 
@@ -152,7 +154,10 @@ fn the_resolution_that_the_file_names_is_shown() {
     for (choice, count) in [("finest", 5), ("coarsest", 1)] {
         let value = SettingValue::Choice(choice.to_owned());
         let options = LoadOptions {
-            settings: SettingValues::from([("resolution".to_owned(), value)]),
+            loader: Some(LoaderChoice {
+                loader: "sfl".to_owned(),
+                settings: SettingValues::from([("resolution".to_owned(), value)]),
+            }),
             ..LoadOptions::default()
         };
         let bytes = file(&[], std::slice::from_ref(&set));

@@ -5,6 +5,7 @@
 //! as linear light, and handed over as sRGB.
 
 use std::collections::HashSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use gltf::image::{Data as Picture, Format};
@@ -43,32 +44,44 @@ impl Loader for GltfLoader {
         out: &mut Output<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
-        let Gltf { document, blob } = Gltf::from_slice(file.bytes)
-            .map_err(|error| Error::failed(format!("the file is no sound glTF: {error}")))?;
-        let folder = file.path.parent();
-        progress.set(0.05, "reading buffers");
-        let buffers = gltf::import_buffers(&document, folder, blob)
-            .map_err(|error| Error::failed(format!("a buffer cannot be read: {error}")))?;
-        progress.check()?;
-        let pictures = read_pictures(&document, folder, &buffers, out, progress)?;
-        let mut reader = Reader {
-            buffers: &buffers,
-            pictures: &pictures,
-            mesh: Mesh::default(),
-            left_out: 0,
-            out,
-            progress,
-        };
-        reader.read_scene(&document)?;
-        let Reader { mesh, left_out, .. } = reader;
-        out.warn("a primitive of lines is left out", left_out);
-        if mesh.positions.is_empty() {
-            return Err(Error::failed(
-                "the scene has no triangles and no points; there is nothing to show",
-            ));
-        }
+        // The library takes some numbers of a damaged file as they are and stops in the middle, its own validation included.
+        let read = catch_unwind(AssertUnwindSafe(|| read(file, out, progress)));
+        let mesh = read.unwrap_or_else(|_| {
+            Err(Error::failed(
+                "the file is no sound glTF: numbers in it lead nowhere; it is damaged, export it again",
+            ))
+        })?;
         mesh.write(out, progress)
     }
+}
+
+/// The meshes of the scene as one.
+fn read(file: &SourceFile<'_>, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<Mesh> {
+    let Gltf { document, blob } = Gltf::from_slice(file.bytes)
+        .map_err(|error| Error::failed(format!("the file is no sound glTF: {error}")))?;
+    let folder = file.path.parent();
+    progress.set(0.05, "reading buffers");
+    let buffers = gltf::import_buffers(&document, folder, blob)
+        .map_err(|error| Error::failed(format!("a buffer cannot be read: {error}")))?;
+    progress.check()?;
+    let pictures = read_pictures(&document, folder, &buffers, out, progress)?;
+    let mut reader = Reader {
+        buffers: &buffers,
+        pictures: &pictures,
+        mesh: Mesh::default(),
+        left_out: 0,
+        out,
+        progress,
+    };
+    reader.read_scene(&document)?;
+    let Reader { mesh, left_out, .. } = reader;
+    out.warn("a primitive of lines is left out", left_out);
+    if mesh.positions.is_empty() {
+        return Err(Error::failed(
+            "the scene has no triangles and no points; there is nothing to show",
+        ));
+    }
+    Ok(mesh)
 }
 
 /// The pictures that base colours take; none in place of one that cannot be read, which is a warning.

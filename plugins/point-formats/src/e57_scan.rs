@@ -80,7 +80,10 @@ impl Loader for E57Loader {
             }
         }
         run.flush(out)?;
-        out.warn("a point without valid coordinates is left out", invalid);
+        out.warn(
+            "a point of which the file gives no place, or only the direction, is left out",
+            invalid,
+        );
         Ok(())
     }
 }

@@ -35,7 +35,7 @@ impl Loader for XyzLoader {
                 LineKind::Numbers(count) if count >= 3 && *width.get_or_insert(count) == count => {
                     rows += 1
                 }
-                LineKind::Numbers(_) | LineKind::Other => return Claim::No,
+                LineKind::Numbers(_) | LineKind::Other => return Claim::Possible,
                 LineKind::Empty | LineKind::Count | LineKind::Heading(_) => {}
             }
         }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{Context, Ui, ViewportCommand};
 use pointstage_engine::stage::{FrameResult, Role, Severity};
 use pointstage_plugin_api::abi::Interaction;
-use pointstage_scene::{Revision, Scene};
+use pointstage_scene::{Loaders, Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
 use super::apply::take_pasted_view;
@@ -45,6 +45,8 @@ pub(crate) struct App {
     pub(super) stage: StageLink,
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
+    /// What reads files.
+    pub(super) loaders: Loaders,
     pub(super) log: Log,
     pub(super) remembered: Remembered,
     pub(super) asking: Asking,
@@ -133,6 +135,7 @@ impl App {
         } = start;
         let mut app = Self {
             session: Session::new(String::new()),
+            loaders: stage.loaders(),
             stage,
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use super::assemble::AssembleError;
 use super::loader::LoaderInfo;
+use super::loaders::UnknownLoader;
 use crate::job::Cancelled;
 
 /// A file that cannot be loaded.
@@ -43,14 +44,12 @@ pub enum LoadError {
         advice: &'static str,
     },
     /// There is no loader of the name asked for.
-    #[error("{}: there is no loader '{loader}'{hint}", path.display())]
+    #[error("{}: {source}", path.display())]
     NoLoader {
         /// The file.
         path: PathBuf,
-        /// What was asked for.
-        loader: String,
-        /// The nearest names, or all of them.
-        hint: String,
+        /// What was asked for, and what there is.
+        source: UnknownLoader,
     },
     /// The file says something that cannot be, or holds what its loader cannot read.
     #[error("{}, {source}", path.display())]

@@ -46,7 +46,7 @@ pub struct LoaderInfo {
     pub title: String,
     /// Extensions of its files, lower case, without the dot.
     pub extensions: Vec<String>,
-    /// Its own options, for [`LoadOptions::settings`].
+    /// Its own options, for [`LoaderChoice::settings`](super::LoaderChoice::settings).
     pub settings: Vec<SettingSchema>,
 }
 
@@ -60,11 +60,6 @@ impl LoaderInfo {
             extensions: extensions.iter().map(ToString::to_string).collect(),
             settings: Vec::new(),
         }
-    }
-
-    /// Whether `key` is its id or its alias.
-    pub fn is_called(&self, key: &str) -> bool {
-        self.id == key || self.alias == key
     }
 
     /// Whether its files have this extension; lower case, without the dot.

@@ -73,6 +73,15 @@ impl Loaders {
         built_in.chain(others.unwrap_or_default()).collect()
     }
 
+    /// Names and options of the loader of this id or alias.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn named(&self, key: &str) -> Result<LoaderInfo, UnknownLoader> {
+        let loader = find(&self.all(), key)?;
+        Ok(loader.info().clone())
+    }
+
     /// The loader for a file: the one of this id or alias, or the one that claims it most.
     ///
     /// The content decides first, then the extension, then the order of the table.
@@ -85,7 +94,10 @@ impl Loaders {
         wanted: Option<&str>,
     ) -> Result<Arc<dyn Loader>, LoadError> {
         if let Some(key) = wanted {
-            return self.find(key, file.path());
+            return find(&self.all(), key).map_err(|source| LoadError::NoLoader {
+                path: file.path().to_path_buf(),
+                source,
+            });
         }
         let name = file.name();
         let start = FileStart {
@@ -104,27 +116,39 @@ impl Loaders {
         }
         Err(unknown(file.path(), &start, &all))
     }
+}
 
-    fn find(&self, key: &str, path: &Path) -> Result<Arc<dyn Loader>, LoadError> {
-        let all = self.all();
-        if let Some(loader) = all.iter().find(|loader| loader.info().is_called(key)) {
-            return Ok(Arc::clone(loader));
-        }
-        let aliases: Vec<&str> = all
-            .iter()
-            .map(|loader| loader.info().alias.as_str())
-            .collect();
-        let near = nearest_names(key, aliases.iter().copied());
-        Err(LoadError::NoLoader {
-            path: path.to_path_buf(),
-            loader: key.to_owned(),
-            hint: if near.is_empty() {
-                format!("; there are {}", aliases.join(", "))
-            } else {
-                did_you_mean(&near)
-            },
-        })
+/// No loader of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no loader '{loader}'{hint}")]
+pub struct UnknownLoader {
+    /// What was asked for.
+    pub loader: String,
+    /// The nearest names, or all of them.
+    pub hint: String,
+}
+
+/// The loader of this id or alias.
+fn find(loaders: &[Arc<dyn Loader>], key: &str) -> Result<Arc<dyn Loader>, UnknownLoader> {
+    // An id is more precise than an alias: somebody else's loader may have that alias.
+    let by_id = loaders.iter().find(|loader| loader.info().id == key);
+    let by_any = || loaders.iter().find(|loader| loader.info().alias == key);
+    if let Some(loader) = by_id.or_else(by_any) {
+        return Ok(Arc::clone(loader));
     }
+    let aliases: Vec<&str> = loaders
+        .iter()
+        .map(|loader| loader.info().alias.as_str())
+        .collect();
+    let near = nearest_names(key, aliases.iter().copied());
+    Err(UnknownLoader {
+        loader: key.to_owned(),
+        hint: if near.is_empty() {
+            format!("; there are {}", aliases.join(", "))
+        } else {
+            did_you_mean(&near)
+        },
+    })
 }
 
 /// The loader that claims the file most; none if no one does.

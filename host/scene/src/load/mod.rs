@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 pub use error::{FormatError, LoadError, LoadStop, Place};
 pub use loader::{Claim, Contents, FileStart, Loader, LoaderInfo, START_BYTES, SourceFile};
-pub use loaders::Loaders;
+pub use loaders::{Loaders, UnknownLoader};
 pub use object_builder::{BuildError, ColumnRole, ColumnSpec, ObjectBuilder};
 pub use ply::PlyError;
 pub use qs::QsError;
@@ -39,16 +39,23 @@ use crate::warnings::Warnings;
 /// How to load.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
-    /// Id or alias of the loader; by content and extension if there is none.
-    pub loader: Option<String>,
-    /// Values of that loader's own options; what is absent takes its default.
-    pub settings: SettingValues,
+    /// The loader that the user chose; without one, content and extension decide.
+    pub loader: Option<LoaderChoice>,
     /// Whether normals and radii that the file lacks are estimated from neighbours at once.
     pub estimation: Estimation,
     /// How a vertex of a mesh gets its radius.
     pub face_radius: FaceRadius,
     /// Which side of a mesh is outside.
     pub winding: Winding,
+}
+
+/// A loader that the user chose for a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoaderChoice {
+    /// Its id or alias.
+    pub loader: String,
+    /// Values of its own options; what is absent takes its default.
+    pub settings: SettingValues,
 }
 
 /// Whether to estimate normals and radii of point sets while loading.
@@ -126,7 +133,10 @@ pub fn load_with(
         path: path.to_path_buf(),
         source,
     })?;
-    let loader: Arc<dyn Loader> = loaders.choose(&file, options.loader.as_deref())?;
+    let loader: Arc<dyn Loader> = {
+        let wanted = options.loader.as_ref();
+        loaders.choose(&file, wanted.map(|choice| choice.loader.as_str()))?
+    };
     let Contents {
         origin,
         world_from_object,
@@ -142,6 +152,7 @@ pub fn load_with(
     let mut object = Object::new(name, origin, geometry);
     object.world_from_object = world_from_object;
     object.source = Some(path.to_path_buf());
+    object.loader.clone_from(&options.loader);
     tracing::debug!(
         loader = loader.info().id,
         surfels = object.geometry.surfel_count,

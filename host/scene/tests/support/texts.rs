@@ -8,7 +8,6 @@ use crate::support::load_bytes;
 /// Nothing but what the file has.
 pub(crate) const FILE_ONLY: LoadOptions = LoadOptions {
     loader: None,
-    settings: std::collections::BTreeMap::new(),
     estimation: Estimation::FileOnly,
     face_radius: FaceRadius::EnclosingCircle,
     winding: Winding::AsInFile,

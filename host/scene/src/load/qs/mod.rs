@@ -155,7 +155,7 @@ fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Loa
         model.leaves(
             |_| {
                 groups = groups.wrapping_add(1);
-                if groups % (1 << 14) == 0 {
+                if groups.is_multiple_of(1 << 14) {
                     job.check().map_err(LoadStop::from)
                 } else {
                     Ok(())

@@ -195,7 +195,9 @@ impl<'a> Model<'a> {
                     expected: format!("one below {}", Sphere::code_count()),
                     found: (first >> 3).to_string(),
                 })?;
-            if first & 3 == 0 {
+            // One less than the children, and 0 for a leaf.
+            let child_code = usize::from(first & 3);
+            if child_code == 0 {
                 each(Leaf {
                     sphere,
                     normal: normal(second >> 2),
@@ -207,7 +209,7 @@ impl<'a> Model<'a> {
                 });
                 continue;
             }
-            let count = usize::from(first & 3) + 1;
+            let count = child_code + 1;
             let has_pointer = first & 4 != 0;
             let Some(offset) = &mut child_offset else {
                 return Err(QsError::Value {

@@ -31,6 +31,7 @@ mod sets;
 mod tags;
 
 use glam::DAffine3;
+use pointstage_plugin_api::settings_schema::SettingValues;
 
 pub use error::SflError;
 pub(crate) use property::{NAMED, NamedProperty, Property, SET_COLUMN};
@@ -83,7 +84,9 @@ impl Loader for SflLoader {
         options: &LoadOptions,
         job: &Job,
     ) -> Result<Contents, LoadStop> {
-        let resolution = Resolution::from_values(&self.info.settings, &options.settings)?;
+        let given = options.loader.as_ref().map(|choice| &choice.settings);
+        let resolution =
+            Resolution::from_values(&self.info.settings, given.unwrap_or(&SettingValues::new()))?;
         read(file.source(), resolution, options, job)
     }
 }
