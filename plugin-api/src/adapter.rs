@@ -1,15 +1,17 @@
 //! From the author's traits to the border's objects. Every entry point, `Drop` included, runs under the guard.
 
 use crate::abi::{
-    self, FactoryBox, FactoryObject, FactoryObject_TO, FrameRecord, HostRef, LogLevel,
-    OutcomeRecord, PrepareRecord, RendererBox, RendererObject, RendererObject_TO, SelectRecord,
-    SelectionRecord, SelectorBox, SelectorObject, SelectorObject_TO, StructureBlockRecord,
-    StructureBox, StructureObject, StructureObject_TO, ViewBox, ViewObject, ViewObject_TO,
+    self, FactoryBox, FactoryObject, FactoryObject_TO, FrameRecord, HostRef, LoaderBox,
+    LoaderObject_TO, LogLevel, OutcomeRecord, PrepareRecord, RendererBox, RendererObject,
+    RendererObject_TO, SelectRecord, SelectionRecord, SelectorBox, SelectorObject,
+    SelectorObject_TO, StructureBlockRecord, StructureBox, StructureObject, StructureObject_TO,
+    ViewBox, ViewObject, ViewObject_TO,
 };
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::guard::{border, drop_guarded};
 use crate::host::{Host, Progress, no_extension};
+use crate::loading::{Loader, LoaderAdapter};
 use crate::renderer::{Renderer, View};
 use crate::scene::{Changes, Scene};
 use crate::settings::Settings;
@@ -53,7 +55,7 @@ impl<T> Drop for Guarded<T> {
     }
 }
 
-/// Makes factories of one author type; `K` tells renderers from structures.
+/// Makes factories of one author type; `K` tells renderers, structures and loaders apart.
 struct Factory<T, K> {
     id: String,
     kind: &'static str,
@@ -64,6 +66,8 @@ struct Factory<T, K> {
 struct Renders;
 /// Marks a factory of structures.
 struct Structures;
+/// Marks a factory of loaders.
+struct Loads;
 
 /// A factory of renderers of type `R`, for the manifest's entry `id`.
 pub fn renderer_factory<R: Renderer>(id: &str) -> FactoryBox {
@@ -80,6 +84,16 @@ pub fn structure_factory<S: Structure>(id: &str) -> FactoryBox {
     let factory = Factory::<S, Structures> {
         id: id.into(),
         kind: "structure",
+        types: PhantomData,
+    };
+    FactoryObject_TO::from_value(factory, TD_Opaque)
+}
+
+/// A factory of loaders of type `L`, for the manifest's entry `id`.
+pub fn loader_factory<L: Loader>(id: &str) -> FactoryBox {
+    let factory = Factory::<L, Loads> {
+        id: id.into(),
+        kind: "loader",
         types: PhantomData,
     };
     FactoryObject_TO::from_value(factory, TD_Opaque)
@@ -121,6 +135,27 @@ impl<S: Structure> FactoryObject for Factory<S, Structures> {
 
     fn extension(&self, _name: RStr<'_>) -> ROption<abi::ExtensionBox> {
         no_extension()
+    }
+}
+
+impl<L: Loader> FactoryObject for Factory<L, Loads> {
+    fn kind(&self) -> RString {
+        self.kind.into()
+    }
+
+    fn id(&self) -> RString {
+        self.id.as_str().into()
+    }
+
+    fn extension(&self, _name: RStr<'_>) -> ROption<abi::ExtensionBox> {
+        no_extension()
+    }
+
+    fn loader(&self) -> RResult<LoaderBox, abi::ErrorRecord> {
+        border("loader", || {
+            let adapter = LoaderAdapter::<L>(PhantomData);
+            Ok(LoaderObject_TO::from_value(adapter, TD_Opaque))
+        })
     }
 }
 
@@ -254,11 +289,16 @@ pub fn collect_factories(
     manifest: &[u8],
     renderers: &[fn(&str) -> FactoryBox],
     structures: &[fn(&str) -> FactoryBox],
+    loaders: &[fn(&str) -> FactoryBox],
 ) -> RResult<RVec<FactoryBox>, abi::ErrorRecord> {
     border("export!", || {
         let ids = |kind: &str| entry_ids(manifest, kind);
         let mut factories = RVec::new();
-        for (kind, makers) in [("renderer", renderers), ("structure", structures)] {
+        for (kind, makers) in [
+            ("renderer", renderers),
+            ("structure", structures),
+            ("loader", loaders),
+        ] {
             let ids = ids(kind)?;
             if ids.len() != makers.len() {
                 return Err(format!(

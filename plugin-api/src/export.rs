@@ -1,18 +1,18 @@
 //! The macro that makes a plugin library of a crate.
 
-/// Exports a crate's renderers and structures as a plugin library.
+/// Exports a crate's renderers, structures and loaders as a plugin library.
 ///
 /// The first argument is the manifest, relative to the crate's folder. Then the types, in the order of the manifest's
 /// entries of each kind:
 ///
 /// ```ignore
-/// pointstage_plugin_api::export! { "plugin.json", renderers: [Points], structures: [Tree] }
+/// pointstage_plugin_api::export! { "plugin.json", renderers: [Points], structures: [Tree], loaders: [Xyz] }
 /// ```
 ///
 /// The crate has to be a `cdylib`, and to be built with unwinding panics: the guards catch them.
 #[macro_export]
 macro_rules! export {
-    ($manifest:literal $(, renderers: [$($renderer:ty),* $(,)?])? $(, structures: [$($structure:ty),* $(,)?])? $(,)?) => {
+    ($manifest:literal $(, renderers: [$($renderer:ty),* $(,)?])? $(, structures: [$($structure:ty),* $(,)?])? $(, loaders: [$($loader:ty),* $(,)?])? $(,)?) => {
         #[cfg(panic = "abort")]
         compile_error!(
             "Pointstage plugins need unwinding panics, so that a panic can be caught at the border: \
@@ -41,6 +41,7 @@ macro_rules! export {
                     &MANIFEST,
                     &[$($(export::renderer_factory::<$renderer>),*)?],
                     &[$($(export::structure_factory::<$structure>),*)?],
+                    &[$($(export::loader_factory::<$loader>),*)?],
                 )
             }
 
@@ -59,7 +60,9 @@ macro_rules! export {
 pub mod parts {
     pub use crate::abi::export_parts::{header, leak_root, root_result};
     pub use crate::abi::{ErrorRecord, FactoryBox};
-    pub use crate::adapter::{collect_factories, renderer_factory, structure_factory};
+    pub use crate::adapter::{
+        collect_factories, loader_factory, renderer_factory, structure_factory,
+    };
     pub use abi_stable::library::{LibHeader, RootModuleResult};
     pub use abi_stable::std_types::{RResult, RSlice, RVec};
 }

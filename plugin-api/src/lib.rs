@@ -10,6 +10,8 @@ mod frame;
 pub mod gpu;
 mod guard;
 mod host;
+pub mod lines;
+pub mod loading;
 pub mod manifest;
 mod manifest_parse;
 pub mod nearest;
@@ -28,8 +30,8 @@ pub mod wgsl;
 #[doc(hidden)]
 pub use crate::export::parts as __export;
 pub use abi::{
-    ChangeKind, DrawFlags, DrawUniform, ErrorCode, FrameChanges, FrameUniform, Interaction,
-    LogLevel, MaterialRecord, Purpose, ScalarType,
+    ChangeKind, ColumnRole, DrawFlags, DrawUniform, ErrorCode, FrameChanges, FrameUniform,
+    Interaction, LogLevel, MaterialRecord, Purpose, ScalarType,
 };
 pub use error::{Error, Result};
 pub use frame::{Draw, Frame, Outcome, Plane, Target};

@@ -53,7 +53,7 @@ pub struct ApiRange {
 /// One plugin of a library.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PluginEntry {
-    /// `renderer`, `structure`, or one that this version does not know.
+    /// `renderer`, `structure`, `loader`, or one that this version does not know.
     pub kind: String,
     /// Reverse-domain name: `org.example.dots`.
     pub id: String,
@@ -65,6 +65,8 @@ pub struct PluginEntry {
     pub version: String,
     /// One to three sentences.
     pub description: String,
+    /// Extensions of a loader's files, lower case, without the dot.
+    pub extensions: Vec<String>,
     /// What it cannot do without.
     pub needs: Needs,
     /// What it offers.

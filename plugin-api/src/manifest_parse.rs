@@ -33,6 +33,8 @@ struct RawPlugin {
     #[serde(default)]
     description: String,
     #[serde(default)]
+    extensions: Vec<String>,
+    #[serde(default)]
     needs: Needs,
     #[serde(default)]
     gives: Gives,
@@ -142,6 +144,16 @@ fn parse_plugin(index: usize, entry: &Value) -> Result<PluginEntry, ManifestErro
     {
         return Err(fail(format!("target '{}' is listed twice", twice.key)));
     }
+    let extensions: Vec<String> = raw
+        .extensions
+        .iter()
+        .map(|extension| extension.trim_start_matches('.').to_ascii_lowercase())
+        .collect();
+    if let Some(bad) = extensions.iter().find(|extension| !part(extension)) {
+        return Err(fail(format!(
+            "the extension \"{bad}\" should be like \"xyz\": letters and digits, without a path"
+        )));
+    }
     let settings =
         parse_settings(&raw.settings).map_err(|(setting, problem)| ManifestError::Setting {
             plugin: raw.id.clone(),
@@ -155,6 +167,7 @@ fn parse_plugin(index: usize, entry: &Value) -> Result<PluginEntry, ManifestErro
         alias,
         version: raw.version,
         description: raw.description,
+        extensions,
         needs: raw.needs,
         gives: raw.gives,
         settings,

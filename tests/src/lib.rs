@@ -6,6 +6,7 @@
 //! * [`models`] makes scenes in memory; [`shots`] draws them with `points` and `surfel`, target by target.
 //! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
 //! * [`sharp`] makes shapes with sharp edges.
+//! * [`loaders`] loads files through the first-party libraries of loaders.
 //! * [`browser`] opens a page in a browser without a window.
 //! * [`plugins`] builds the misbehaving plugins of `tests/plugins/`.
 //! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
@@ -17,6 +18,7 @@ pub mod browser;
 pub mod compare;
 pub mod data;
 pub mod golden;
+pub mod loaders;
 pub mod models;
 pub mod plugins;
 pub mod program;

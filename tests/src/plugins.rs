@@ -13,9 +13,9 @@ use crate::data::repository;
 /// A changed copy of `plugin-api` that a plugin is built against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Variant {
-    /// Version 1.1: with one more root field, methods and command. Has to load.
+    /// Version 1.2: with one more root field, methods and command. Has to load.
     Newer,
-    /// Still called 1.0.0, but with two fields of a record swapped. Has to be refused.
+    /// Still called 1.1.0, but with two fields of a record swapped. Has to be refused.
     Changed,
 }
 
@@ -25,8 +25,8 @@ type Edit = (&'static str, &'static str, &'static str);
 const NEWER: &[Edit] = &[
     (
         "plugin-api/Cargo.toml",
-        "version = \"1.0.0\"",
         "version = \"1.1.0\"",
+        "version = \"1.2.0\"",
     ),
     (
         "plugin-api/src/abi/root.rs",
@@ -58,6 +58,16 @@ const NEWER: &[Edit] = &[
         "plugin-api/src/abi/objects.rs",
         "}\npub type HostRef",
         "    fn novelty(&self) -> u32 {\n        0\n    }\n}\npub type HostRef",
+    ),
+    (
+        "plugin-api/src/abi/loading.rs",
+        "}\npub type LoadSinkRef",
+        "    fn novelty(&self) -> u32 {\n        0\n    }\n}\npub type LoadSinkRef",
+    ),
+    (
+        "plugin-api/src/abi/loading.rs",
+        "}\npub type LoaderBox",
+        "    fn novelty(&self) -> u32 {\n        0\n    }\n}\npub type LoaderBox",
     ),
     (
         "plugin-api/src/abi/commands.rs",
@@ -110,6 +120,26 @@ pub fn everything() -> Result<PathBuf> {
 pub fn sleeper() -> Result<PathBuf> {
     once("sleeper", || {
         build(&repository().join("tests/plugins"), "sleeper", &[])
+    })
+}
+
+/// The library of loaders: `good`, and one for each fault.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn readers() -> Result<PathBuf> {
+    once("readers", || {
+        build(&repository().join("tests/plugins"), "readers", &[])
+    })
+}
+
+/// The library of a loader that panics at the first look at a short file.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn panicky_reader() -> Result<PathBuf> {
+    once("panicky-reader", || {
+        build(&repository().join("tests/plugins"), "panicky-reader", &[])
     })
 }
 
@@ -249,7 +279,7 @@ fn build(workspace: &Path, package: &str, arguments: &[&str]) -> Result<PathBuf>
             String::from_utf8_lossy(&output.stderr)
         );
     }
-    let library = library_path(&target_folder().join("debug"), package);
+    let library = library_path(&target_folder().join("debug"), &package.replace('-', "_"));
     ensure!(library.is_file(), "cargo built no {}", library.display());
     Ok(library)
 }

@@ -5,6 +5,7 @@
 //! TOML ([`toml_form`]); [`host_log`] keeps the last log lines for bug reports.
 
 mod cli;
+mod file_loaders;
 mod host_log;
 mod output;
 mod preferences;

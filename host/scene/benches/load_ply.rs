@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo bench -p pointstage-scene --bench load_ply                      the brain of the shared test data folder
-//! cargo bench -p pointstage-scene --bench load_ply -- FILE.ply …        other files
+//! cargo bench -p pointstage-scene --bench load_ply -- FILE …            other files, of any format that is built in
 //! POINTSTAGE_PEERS_PYTHON=venv/bin/python cargo bench …                 beside other readers
 //! ```
 //!
@@ -10,7 +10,10 @@
 //! venv` and `venv/bin/pip install numpy trimesh open3d vtk pymeshlab`), and CloudCompare where its program is installed.
 //! `peers.py` beside this file runs them.
 //!
-//! For each file and for the same file as text (written to a temporary folder, six decimals): the median of [`RUNS`] loads
+//! The surfels of each PLY file are written as an SFL file too, and loaded from there, with normals and radii as the file has
+//! them; of SFL, QSplat and TRI files the rate stands alone, since none of the others reads them.
+//!
+//! For each PLY file and for the same file as text (written to a temporary folder, six decimals): the median of [`RUNS`] loads
 //! of positions and triangles alone ('bare') and with normals and radii ('full'), after one load that warms the file
 //! cache; the same for each peer, bare; and the ratio of the fastest peer to us. Rounds alternate between us and the
 //! peers, so that a busy moment meets both. The peak of memory is that of a process of its own, less what it held before the load; mapped
@@ -23,7 +26,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use pointstage_scene::{Estimation, Job, LoadOptions, load};
+use pointstage_scene::{Estimation, Job, LoadOptions, load, save_sfl};
 
 /// Loads timed for each median.
 const RUNS: usize = 7;
@@ -59,6 +62,10 @@ fn main() {
     calibrate();
     let scratch = tempfile::tempdir().expect("a temporary folder");
     for file in files {
+        if file.extension().is_none_or(|extension| extension != "ply") {
+            rate(&file);
+            continue;
+        }
         compare(&file, scratch.path());
         let text = scratch.path().join(format!(
             "{}_ascii.ply",
@@ -66,7 +73,33 @@ fn main() {
         ));
         write_as_text(&file, &text);
         compare(&text, scratch.path());
+        let surfels = text.with_extension("sfl");
+        write_as_surfels(&file, &surfels);
+        rate(&surfels);
     }
+}
+
+/// Times one file alone, and prints its rate.
+fn rate(file: &Path) {
+    time_load(file, "bare");
+    let seconds = median((0..RUNS).map(|_| time_load(file, "bare")).collect());
+    let bytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len()) as f64;
+    println!(
+        "\n{}\n  ours, bare {:>8.1} ms   {:.1} MB in the file, {:.0} MB/s",
+        file.display(),
+        seconds * 1e3,
+        bytes / 1e6,
+        bytes / 1e6 / seconds
+    );
+}
+
+/// The surfels of a file with normals and radii, as SFL.
+fn write_as_surfels(file: &Path, surfels: &Path) {
+    let options = LoadOptions::default();
+    let mut loaded = load(file, &options, &Job::new()).unwrap_or_else(|error| panic!("{error}"));
+    let geometry = std::sync::Arc::make_mut(&mut loaded.object.geometry);
+    geometry.triangles = None;
+    save_sfl(&loaded.object, surfels).unwrap_or_else(|error| panic!("{error}"));
 }
 
 fn data_folder() -> PathBuf {

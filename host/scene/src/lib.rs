@@ -17,6 +17,7 @@ mod job;
 mod light;
 mod light_by_hand;
 mod load;
+mod save;
 mod scene;
 mod warnings;
 
@@ -30,7 +31,11 @@ pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType
 pub use job::{Cancelled, Job};
 pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
-    Estimation, FaceRadius, LoadError, LoadOptions, Loaded, Place, PlyError, Winding, load,
+    BuildError, Claim, ColumnRole, ColumnSpec, Contents, Estimation, FaceRadius, FileStart,
+    FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderChoice, LoaderInfo,
+    Loaders, ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError,
+    UnknownLoader, Winding, load, load_with,
 };
+pub use save::{SaveError, save_ply, save_sfl, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};

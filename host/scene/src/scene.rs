@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bounds::Bounds;
 use crate::geometry::Geometry;
+use crate::load::LoaderChoice;
 
 /// State of a thing; two states with the same revision are the same. Later states have greater revisions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -34,6 +35,8 @@ pub struct Object {
     pub name: String,
     /// The file that it came from.
     pub source: Option<PathBuf>,
+    /// The loader that the user chose for that file; none if the file's content decided.
+    pub loader: Option<LoaderChoice>,
     /// What the columns' positions are relative to, before `world_from_object`; f64, so that map coordinates keep their
     /// digits.
     pub origin: DVec3,
@@ -103,6 +106,7 @@ impl Object {
             id: ObjectId::next(),
             name: name.into(),
             source: None,
+            loader: None,
             origin,
             world_from_object: DAffine3::IDENTITY,
             material: Material::default(),

@@ -18,6 +18,7 @@ const TYPES: [&str; 8] = [
 ];
 
 const FILE_ONLY: LoadOptions = LoadOptions {
+    loader: None,
     estimation: Estimation::FileOnly,
     face_radius: pointstage_scene::FaceRadius::EnclosingCircle,
     winding: pointstage_scene::Winding::AsInFile,

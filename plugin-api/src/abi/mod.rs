@@ -39,6 +39,7 @@ mod descriptors;
 #[doc(hidden)]
 pub mod export_parts;
 mod frame;
+mod loading;
 mod objects;
 mod root;
 mod scene;
@@ -46,6 +47,7 @@ mod values;
 
 pub use descriptors::*;
 pub use frame::*;
+pub use loading::*;
 pub use objects::*;
 pub use root::*;
 pub use scene::*;

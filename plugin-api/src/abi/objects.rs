@@ -9,6 +9,7 @@ use super::descriptors::{
 use super::frame::{
     FrameRecord, OutcomeRecord, SelectRecord, SelectionRecord, StructureBlockRecord,
 };
+use super::loading::LoaderBox;
 use super::scene::{ChangeRecord, SceneRecord};
 use super::values::{ErrorCode, ErrorRecord, Handle, LogLevel, SettingRecord, VersionRecord};
 use abi_stable::sabi_types::RRef;
@@ -136,7 +137,7 @@ pub struct PrepareRecord<'a> {
 /// Makes things of one kind: the plugin's side of one entry of the manifest.
 #[sabi_trait]
 pub trait FactoryObject: Send + Sync {
-    /// Thread: any. 'renderer', 'structure', …; a kind that the host does not know is ignored.
+    /// Thread: any. 'renderer', 'structure', 'loader', …; a kind that the host does not know is ignored.
     fn kind(&self) -> RString;
     /// Thread: any. The id in the manifest.
     fn id(&self) -> RString;
@@ -151,6 +152,10 @@ pub trait FactoryObject: Send + Sync {
     #[sabi(last_prefix_field)]
     fn extension(&self, _name: RStr<'_>) -> ROption<ExtensionBox> {
         ROption::RNone
+    }
+    /// Thread: any. Since 1.1.
+    fn loader(&self) -> RResult<LoaderBox, ErrorRecord> {
+        unsupported("this factory makes no loader")
     }
 }
 pub type FactoryBox = FactoryObject_TO<'static, RBox<()>>;

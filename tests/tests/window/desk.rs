@@ -108,13 +108,13 @@ impl Desk {
     pub(super) fn type_path(&mut self, path: &Path) -> Result<()> {
         self.window.click_on("Button", "File")?;
         self.window.click_on("Button", "Open path… Ctrl+Shift+O")?;
-        self.window.find("TextInput", "Path of a PLY file:")?;
+        self.window.find("TextInput", "Path of a file:")?;
         self.window.type_text(
             path.to_str()
                 .context("temporary folders have plain names")?,
         )?;
         self.window.wait_for_state("the typed path", |state| {
-            let field = state.widget("TextInput", "Path of a PLY file:")?;
+            let field = state.widget("TextInput", "Path of a file:")?;
             (field.value == path.to_str()?).then_some(())
         })?;
         self.window.press_keys("Return")

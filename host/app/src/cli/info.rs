@@ -1,24 +1,28 @@
 //! `pointstage info`: what is in files.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 
 use clap::Args;
+use pointstage_engine::plugins::Registry;
 use pointstage_scene::{Loaded, Provenance};
 use serde_json::{Value, json};
 
 use super::load::LoadArguments;
-use super::{Outcome, write_out};
+use super::{Globals, Outcome, write_out};
+use crate::file_loaders::loaders;
 
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   pointstage info scan.ply
-  pointstage info --json a.ply b.ply
+  pointstage info --json a.ply b.laz
+  pointstage info --loader xyz --set-loader columns='x y z _ r g b' points.dat
 
 With --json, standard output holds one JSON array with an object a file.")]
 pub(crate) struct InfoArguments {
-    /// PLY files
+    /// Files of points or meshes
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// Write JSON
@@ -29,10 +33,14 @@ pub(crate) struct InfoArguments {
 }
 
 /// Prints the facts of each file.
-pub(crate) fn run(arguments: &InfoArguments) -> Outcome {
+pub(crate) fn run(globals: &Globals, arguments: &InfoArguments) -> Outcome {
+    let registry = OnceLock::new();
+    let options = globals.discover_options();
+    let discover = move || Arc::new(Registry::discover(&options));
+    let loaders = loaders(move || Some(Arc::clone(registry.get_or_init(&discover))));
     let mut all = Vec::new();
     for path in &arguments.files {
-        let facts = facts(path, &arguments.load.load(path)?);
+        let facts = facts(path, &arguments.load.load(path, &loaders)?);
         if !arguments.json {
             write_out(&lines(&facts).join("\n"))?;
         }
@@ -46,7 +54,9 @@ pub(crate) fn run(arguments: &InfoArguments) -> Outcome {
 
 fn facts(path: &Path, loaded: &Loaded) -> Value {
     let Loaded {
-        object, warnings, ..
+        object,
+        loader,
+        warnings,
     } = loaded;
     let geometry = &object.geometry;
     let block = geometry.blocks.first();
@@ -72,6 +82,8 @@ fn facts(path: &Path, loaded: &Loaded) -> Value {
     json!({
         "file": path.display().to_string(),
         "name": object.name,
+        "loader": loader.id,
+        "format": loader.title,
         "surfels": geometry.surfel_count,
         "triangles": geometry.triangles.as_ref().map_or(0, |triangles| triangles.len()),
         "blocks": geometry.blocks.len(),
@@ -104,6 +116,10 @@ fn lines(facts: &Value) -> Vec<String> {
     };
     lines.push(text("file"));
     let mut line = |name: &str, value: String| lines.push(format!("{name:<12}{value}"));
+    line(
+        "  format",
+        format!("{} (loader {})", text("format"), text("loader")),
+    );
     line("  surfels", text("surfels"));
     line("  triangles", text("triangles"));
     for column in ["normals", "radii", "colours", "axes"] {

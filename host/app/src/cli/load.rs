@@ -2,12 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
+use pointstage_engine::stage::Stage;
 use pointstage_scene::{
-    Estimation, Job, LoadOptions, Loaded, ObjectId, Scene, Warnings, Winding, load,
+    Estimation, Job, LoadOptions, Loaded, LoaderChoice, Loaders, ObjectId, Scene, Warnings,
+    Winding, load_with,
 };
 
-use super::{Failure, Outcome};
+use super::drawing::set_values;
+use super::{Failure, Outcome, values};
+use crate::file_loaders::loaders;
 use crate::session_file::SceneFile;
 
 /// Options of commands that load files.
@@ -19,6 +24,18 @@ pub(crate) struct LoadArguments {
     /// Turn meshes inside out: for files whose faces are wound inward
     #[arg(long, help_heading = "Loading")]
     flip: bool,
+    /// Read the files with this loader, whatever they look like [default: by content, then by extension]
+    #[arg(long, value_name = "ID", help_heading = "Loading")]
+    loader: Option<String>,
+    /// An option of that loader; may be given several times
+    #[arg(long = "set-loader", value_name = "ID=VALUE", value_parser = values::assignment, requires = "loader", help_heading = "Loading")]
+    loader_settings: Vec<(String, String)>,
+}
+
+/// The loaders of the program and of a stage's plugins.
+pub(crate) fn loaders_of(stage: &Stage) -> Loaders {
+    let registry = stage.registry();
+    loaders(move || Some(Arc::clone(&registry)))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -33,7 +50,7 @@ enum WhenToEstimate {
 
 impl LoadArguments {
     /// How to load an entry: as it says, unless the command line says otherwise.
-    fn options(&self, entry: &SceneFile) -> LoadOptions {
+    fn options(&self, entry: &SceneFile, loaders: &Loaders) -> Outcome<LoadOptions> {
         let mut options = entry.load_options();
         match self.estimate {
             None => {}
@@ -44,17 +61,30 @@ impl LoadArguments {
         if self.flip {
             options.winding = Winding::Flipped;
         }
-        options
+        if let Some(key) = &self.loader {
+            let mut choice = LoaderChoice {
+                loader: key.clone(),
+                ..LoaderChoice::default()
+            };
+            if !self.loader_settings.is_empty() {
+                let info = loaders.named(key).map_err(Failure::usage_from)?;
+                set_values(&mut choice.settings, &info.settings, &self.loader_settings)
+                    .map_err(Failure::usage_from)?;
+            }
+            options.loader = Some(choice);
+        }
+        Ok(options)
     }
 
     /// Loads one file and says its warnings on standard error.
-    pub(crate) fn load(&self, path: &Path) -> Outcome<Loaded> {
-        self.load_entry(&SceneFile::new(path.to_path_buf()))
+    pub(crate) fn load(&self, path: &Path, loaders: &Loaders) -> Outcome<Loaded> {
+        self.load_entry(&SceneFile::new(path.to_path_buf()), loaders)
     }
 
     /// Loads an object of a scene and says its warnings on standard error.
-    fn load_entry(&self, entry: &SceneFile) -> Outcome<Loaded> {
-        let mut loaded = load(&entry.file, &self.options(entry), &Job::new())?;
+    fn load_entry(&self, entry: &SceneFile, loaders: &Loaders) -> Outcome<Loaded> {
+        let options = self.options(entry, loaders)?;
+        let mut loaded = load_with(loaders, &entry.file, &options, &Job::new())?;
         for warning in loaded.warnings.iter() {
             eprintln!("warning: {}: {warning}", entry.file.display());
         }
@@ -71,6 +101,7 @@ impl LoadArguments {
     pub(crate) fn load_scene(
         &self,
         entries: &[SceneFile],
+        loaders: &Loaders,
     ) -> Outcome<(Scene, BTreeMap<ObjectId, Warnings>)> {
         if entries.is_empty() {
             return Err(Failure::Failed(anyhow::anyhow!(
@@ -79,7 +110,7 @@ impl LoadArguments {
         }
         let (mut scene, mut warnings) = (Scene::new(), BTreeMap::new());
         for entry in entries {
-            let loaded = self.load_entry(entry)?;
+            let loaded = self.load_entry(entry, loaders)?;
             warnings.insert(scene.add(loaded.object), loaded.warnings);
         }
         if scene.surfel_count() == 0 {

@@ -35,7 +35,7 @@ pub(crate) use stdout::write_out;
 #[derive(Debug, Parser)]
 #[command(name = "pointstage", version, after_help = EXAMPLES, args_conflicts_with_subcommands = false)]
 pub(crate) struct Arguments {
-    /// PLY files to open in the window, each as an object, or a session file
+    /// Files of points or meshes to open in the window, each as an object, or a session file
     #[arg(value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
@@ -55,7 +55,7 @@ Examples:
   pointstage sweep scan.ply --renderer hqss --set-range splat_scale=0.5:2:9 --reference ewa-reference --out sweep
                                                                 what one setting does to quality and time
   pointstage info scan.ply                                      what is in the file
-  pointstage plugins list                                       which renderers there are
+  pointstage plugins list                                       which renderers and loaders there are
 
 Exit codes: 0 done, 1 failed, 2 used wrongly.
 A file that is named like a command is opened as ./render.";
@@ -101,7 +101,7 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
         Some(Command::Compare(compare)) => compare::run(&globals, &compare),
         Some(Command::Bench(bench)) => bench::run(&globals, &bench),
         Some(Command::Sweep(sweep)) => sweep::run(&globals, &sweep),
-        Some(Command::Info(info)) => info::run(&info),
+        Some(Command::Info(info)) => info::run(&globals, &info),
         Some(Command::Plugins(plugins)) => plugins::run(&globals, &plugins),
     }
 }

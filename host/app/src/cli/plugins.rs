@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use pointstage_engine::plugins::{PluginFile, Registry};
+use pointstage_scene::Loaders;
 use serde_json::{Value, json};
 
 use super::{Failure, Globals, Outcome, write_out};
@@ -19,7 +20,7 @@ Examples:
 Plugins stand beside the program or in 'plugins' there, in the user's plugin folder, or in the folders of
 POINTSTAGE_PLUGIN_PATH.")]
 pub(crate) enum PluginsCommand {
-    /// List renderers and structures, and what came of each file
+    /// List renderers, structures and loaders, and what came of each file
     List(ListArguments),
     /// Examine files anew, whatever was found before
     Probe(ProbeArguments),
@@ -56,7 +57,11 @@ pub(crate) fn run(globals: &Globals, command: &PluginsCommand) -> Outcome {
     match command {
         PluginsCommand::List(arguments) => {
             let registry = Registry::discover(&globals.discover_options());
-            show(registry.files().iter().collect(), arguments.json)
+            show(registry.files().iter().collect(), arguments.json)?;
+            if arguments.json {
+                return Ok(());
+            }
+            write_out(&built_in().join("\n"))
         }
         PluginsCommand::Probe(arguments) => probe(globals, arguments),
     }
@@ -107,6 +112,22 @@ fn show(files: Vec<&PluginFile>, as_json: bool) -> Outcome {
     write_out(&lines.join("\n"))
 }
 
+/// The loaders that come with the program.
+fn built_in() -> Vec<String> {
+    let loaders = Loaders::built_in().all();
+    let lines = loaders.iter().map(|loader| {
+        let info = loader.info();
+        let extensions = extensions(&info.extensions);
+        format!(
+            "  loader {} ({}): {}{extensions}",
+            info.alias, info.id, info.title
+        )
+    });
+    std::iter::once("Built in:".to_owned())
+        .chain(lines)
+        .collect()
+}
+
 fn lines(file: &PluginFile) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: {}",
@@ -116,14 +137,27 @@ fn lines(file: &PluginFile) -> Vec<String> {
     let plugins = file.manifest.iter().flat_map(|manifest| &manifest.plugins);
     lines.extend(plugins.map(|plugin| {
         format!(
-            "  {} {} ({} {}): {}",
-            plugin.kind, plugin.alias, plugin.id, plugin.version, plugin.title
+            "  {} {} ({} {}): {}{}",
+            plugin.kind,
+            plugin.alias,
+            plugin.id,
+            plugin.version,
+            plugin.title,
+            extensions(&plugin.extensions)
         )
     }));
     if !file.verdict.message.is_empty() {
         lines.push(format!("  {}", file.verdict.message));
     }
     lines
+}
+
+/// The extensions of a loader's files, for a line; nothing for others.
+fn extensions(extensions: &[String]) -> String {
+    if extensions.is_empty() {
+        return String::new();
+    }
+    format!(" [.{}]", extensions.join(" ."))
 }
 
 /// One object a file; its plugins are entries of the manifest with the file's verdict, so that a script need not look up.

@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use glam::DAffine3;
+use pointstage_engine::stage::SettingValues;
 use pointstage_scene::{
-    Estimation, LoadOptions, Material, Object, Provenance, WarningKind, Warnings, Winding,
+    Estimation, LoadOptions, LoaderChoice, Material, Object, Provenance, WarningKind, Warnings,
+    Winding,
 };
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +29,12 @@ pub(crate) struct SceneFile {
     /// Whether missing normals and radii are estimated however long it takes; otherwise only for small files.
     #[serde(default)]
     pub(crate) estimated: bool,
+    /// Id or alias of the loader that the user chose; empty if the file's content decides.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub(crate) loader: String,
+    /// Values of that loader's options.
+    #[serde(default, skip_serializing_if = "SettingValues::is_empty")]
+    pub(crate) loader_settings: SettingValues,
     /// Where it stands: the map from the file's coordinates to the world, 3 × 4, column by column.
     #[serde(default, deserialize_with = "toml_form::transform")]
     pub(crate) transform: DAffine3,
@@ -48,6 +56,8 @@ impl SceneFile {
             visible: true,
             flipped: false,
             estimated: false,
+            loader: String::new(),
+            loader_settings: SettingValues::new(),
             transform: DAffine3::IDENTITY,
             material: Material::default(),
         }
@@ -57,6 +67,7 @@ impl SceneFile {
     pub(crate) fn of(object: &Object, warnings: Option<&Warnings>) -> Option<Self> {
         let source = object.source.as_ref()?;
         let origins = &object.geometry.origins;
+        let LoaderChoice { loader, settings } = object.loader.clone().unwrap_or_default();
         let is_flipped = |warnings: &Warnings| warnings.count(&WarningKind::Flipped) > 0;
         Some(Self {
             file: std::path::absolute(source).unwrap_or_else(|_| source.clone()),
@@ -64,6 +75,8 @@ impl SceneFile {
             visible: object.visible,
             flipped: warnings.is_some_and(is_flipped),
             estimated: [origins.normals, origins.radii].contains(&Provenance::Estimated),
+            loader,
+            loader_settings: settings,
             transform: object.world_from_object,
             material: object.material,
         })
@@ -72,6 +85,10 @@ impl SceneFile {
     /// How its file is loaded.
     pub(crate) fn load_options(&self) -> LoadOptions {
         LoadOptions {
+            loader: (!self.loader.is_empty()).then(|| LoaderChoice {
+                loader: self.loader.clone(),
+                settings: self.loader_settings.clone(),
+            }),
             estimation: if self.estimated {
                 Estimation::Always
             } else {

@@ -176,6 +176,16 @@ fn any_scene_file() -> impl Strategy<Value = SceneFile> {
             visible,
             flipped,
             estimated,
+            loader: if flipped {
+                "xyz".to_owned()
+            } else {
+                String::new()
+            },
+            loader_settings: if flipped && visible {
+                SettingValues::from([("columns".to_owned(), SettingValue::Choice("x y z".into()))])
+            } else {
+                SettingValues::new()
+            },
             transform: glam::DAffine3::from_cols_slice(&transform),
             material,
         },

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use egui::{Context, Ui, ViewportCommand};
 use pointstage_engine::stage::{Severity, ViewportId};
-use pointstage_scene::{Revision, Scene};
+use pointstage_scene::{Loaders, Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
 use super::apply::take_pasted_view;
@@ -42,6 +42,8 @@ pub(crate) struct App {
     pub(super) stage: StageLink,
     pub(super) rows: Rows,
     pub(super) tasks: Tasks<Finished>,
+    /// What reads files.
+    pub(super) loaders: Loaders,
     pub(super) log: Log,
     pub(super) remembered: Remembered,
     /// What the camera does by itself.
@@ -122,6 +124,7 @@ impl App {
             session: Session::new(String::new()),
             screens: Several::one(Screen::new(ViewportId(0))),
             comparing: Comparing::new(&wake)?,
+            loaders: stage.loaders(),
             stage,
             rows: Rows::default(),
             tasks: Tasks::new(wake.clone())?,

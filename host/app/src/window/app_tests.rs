@@ -68,7 +68,7 @@ pub(super) fn wait_until(
 pub(super) fn type_path(harness: &mut Harness<'static, App>, path: &std::path::Path) {
     harness.get_by_label("Type a path…").click();
     harness.run_steps(3);
-    let field = harness.get_by_role_and_label(Role::TextInput, "Path of a PLY file:");
+    let field = harness.get_by_role_and_label(Role::TextInput, "Path of a file:");
     field.type_text(&path.display().to_string());
     harness.run_steps(2);
     harness.key_press(egui::Key::Enter);

@@ -6,6 +6,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::{Align2, Context, Key, TextEdit, Window};
 
+use pointstage_scene::Loaders;
+
 use super::intent::{ExportIntent, FileIntent, Intents, OpenMode, Overwrite};
 use crate::session_file::SUFFIX;
 
@@ -28,14 +30,18 @@ pub(crate) struct FileDialog {
 
 impl FileDialog {
     /// Opens the system's dialog; `wake` is called from its thread once it closes.
-    pub(crate) fn open(asked: Asked, wake: Arc<dyn Fn() + Send + Sync>) -> std::io::Result<Self> {
+    pub(crate) fn open(
+        asked: Asked,
+        loaders: &Loaders,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> std::io::Result<Self> {
         let (sender, answer) = channel();
-        let question = asked.clone();
+        let (question, loaders) = (asked.clone(), loaders.clone());
         std::thread::Builder::new()
             .name("pointstage-dialog".to_owned())
             .spawn(move || {
                 // Nobody listens when the window has closed meanwhile.
-                let _ = sender.send(ask_system(&question));
+                let _ = sender.send(ask_system(&question, &loaders));
                 wake();
             })?;
         Ok(Self { answer, asked })
@@ -72,21 +78,24 @@ impl FileDialog {
 }
 
 /// Shows the system's dialog and waits for its answer; nothing chosen gives no path.
-fn ask_system(asked: &Asked) -> Vec<PathBuf> {
+fn ask_system(asked: &Asked, loaders: &Loaders) -> Vec<PathBuf> {
     let dialog = rfd::FileDialog::new();
     match asked {
-        Asked::Open(_) => dialog
-            .set_title("Open surfels, a mesh or a session")
-            .add_filter(
-                "What Pointstage opens",
-                &["ply", "PLY", "toml", "png", "exr", "json"],
-            )
-            .add_filter("Surfels and meshes", &["ply", "PLY"])
-            .add_filter("Sessions", &["toml", "png", "exr"])
-            .add_filter("Sweeps", &["json"])
-            .add_filter("All files", &["*"])
-            .pick_files()
-            .unwrap_or_default(),
+        Asked::Open(_) => {
+            let known = known_extensions(loaders);
+            let sessions = SESSION_EXTENSIONS.map(str::to_owned);
+            let sweeps = ["json".to_owned()];
+            let all: Vec<&String> = known.iter().chain(&sessions).chain(&sweeps).collect();
+            dialog
+                .set_title("Open points, a mesh or a session")
+                .add_filter("What Pointstage opens", &all)
+                .add_filter("Points and meshes", &known)
+                .add_filter("Sessions", &sessions)
+                .add_filter("Sweeps", &sweeps)
+                .add_filter("All files", &["*"])
+                .pick_files()
+                .unwrap_or_default()
+        }
         Asked::Save(path) => {
             let dialog = dialog
                 .set_title("Save session")
@@ -101,6 +110,21 @@ fn ask_system(asked: &Asked) -> Vec<PathBuf> {
             ask_where(dialog, path)
         }
     }
+}
+
+/// Extensions of files that hold a session.
+const SESSION_EXTENSIONS: [&str; 3] = ["toml", "png", "exr"];
+
+/// Extensions that loaders know, in lower and in upper case: filters tell them apart.
+fn known_extensions(loaders: &Loaders) -> Vec<String> {
+    let loaders = loaders.all();
+    let extensions = loaders.iter().flat_map(|loader| &loader.info().extensions);
+    let mut all: Vec<String> = extensions
+        .flat_map(|extension| [extension.clone(), extension.to_ascii_uppercase()])
+        .collect();
+    all.sort();
+    all.dedup();
+    all
 }
 
 /// Asks for a file to write, starting with `path`.
@@ -165,8 +189,8 @@ impl PathField {
         let mut is_open = true;
         let mut is_done = ctx.input(|input| input.key_pressed(Key::Escape));
         let (title, label, act) = match self.purpose {
-            Purpose::Open(OpenMode::Replace) => ("Open path", "Path of a PLY file:", "Open"),
-            Purpose::Open(OpenMode::Add) => ("Add path to scene", "Path of a PLY file:", "Open"),
+            Purpose::Open(OpenMode::Replace) => ("Open path", "Path of a file:", "Open"),
+            Purpose::Open(OpenMode::Add) => ("Add path to scene", "Path of a file:", "Open"),
             Purpose::Save { .. } => ("Save session", "Path of the session file:", "Save"),
         };
         Window::new(title)

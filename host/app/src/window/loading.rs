@@ -4,7 +4,8 @@ use std::path::Path;
 
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{
-    Estimation, Job, LoadError, LoadOptions, Loaded, Object, ObjectId, WarningKind, Winding, load,
+    Estimation, Job, LoadError, LoadOptions, Loaded, Loaders, Object, ObjectId, WarningKind,
+    Winding, load_with,
 };
 
 use super::intent::{OpenMode, SceneIntent};
@@ -45,10 +46,16 @@ pub(crate) enum Finished {
 }
 
 /// Loads a file; runs on the worker.
-pub(crate) fn load_file(path: &Path, options: LoadOptions, place: Place, job: &Job) -> Finished {
+pub(crate) fn load_file(
+    path: &Path,
+    loaders: &Loaders,
+    options: &LoadOptions,
+    place: Place,
+    job: &Job,
+) -> Finished {
     let name = path.display();
     guarded(
-        || match load(path, &options, job) {
+        || match load_with(loaders, path, options, job) {
             Ok(loaded) => Finished::Loaded(Box::new(loaded), place),
             Err(LoadError::Cancelled(_)) => Finished::Cancelled(name.to_string()),
             Err(error) => Finished::Failed(error.to_string()),
@@ -169,7 +176,7 @@ fn in_place_of(old: &Object, new: Object) -> Object {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pointstage_scene::{Block, Geometry, Origins, Warnings};
+    use pointstage_scene::{Block, Geometry, LoaderInfo, Origins, Warnings};
     use std::sync::Arc;
 
     fn loaded(name: &str) -> Loaded {
@@ -183,6 +190,7 @@ mod tests {
                 glam::DVec3::ZERO,
                 Geometry::new(vec![block], None, Origins::default()),
             ),
+            loader: LoaderInfo::default(),
             warnings: Warnings::new(),
         }
     }
@@ -246,7 +254,13 @@ mod tests {
     fn a_missing_file_is_an_error_with_its_name() {
         let place = Place::New(Batch(0), OpenMode::Replace);
         let options = LoadOptions::default();
-        let finished = load_file(Path::new("/no/such.ply"), options, place, &Job::new());
+        let finished = load_file(
+            Path::new("/no/such.ply"),
+            &Loaders::built_in(),
+            &options,
+            place,
+            &Job::new(),
+        );
         let Finished::Failed(text) = finished else {
             panic!("{finished:?}")
         };

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use pointstage_engine::stage::Severity;
-use pointstage_scene::{Job, LoadError, Loaded, NearClipping, Scene, ViewRecord, load};
+use pointstage_scene::{
+    Job, LoadError, Loaded, Loaders, NearClipping, Scene, ViewRecord, load_with,
+};
 
 use super::app::App;
 use super::comparison::{Comparison, FLICKER_HZ, Way};
@@ -34,10 +36,10 @@ pub(crate) struct OpenedSession {
 }
 
 /// Reads a session and loads its scene; runs on the worker. The window stays as it is until all is there.
-pub(crate) fn load_session(path: &Path, job: &Job) -> Finished {
+pub(crate) fn load_session(path: &Path, loaders: &Loaders, job: &Job) -> Finished {
     let name = path.display();
     guarded(
-        || read_and_load(path, job),
+        || read_and_load(path, loaders, job),
         |panic| {
             Finished::Failed(format!(
                 "{name}: loading the session stopped by a defect ({panic}); please report it with the file"
@@ -46,7 +48,7 @@ pub(crate) fn load_session(path: &Path, job: &Job) -> Finished {
     )
 }
 
-fn read_and_load(path: &Path, job: &Job) -> Finished {
+fn read_and_load(path: &Path, loaders: &Loaders, job: &Job) -> Finished {
     let file = match SessionFile::read(path) {
         Ok(file) => file,
         Err(error) => return Finished::Failed(error.to_string()),
@@ -71,7 +73,7 @@ fn read_and_load(path: &Path, job: &Job) -> Finished {
             opened.absent.push(entry.clone());
             continue;
         }
-        match load(&entry.file, &entry.load_options(), job) {
+        match load_with(loaders, &entry.file, &entry.load_options(), job) {
             Ok(mut loaded) => {
                 entry.dress(&mut loaded.object);
                 opened.objects.push(loaded);

@@ -11,9 +11,10 @@ use pointstage_engine::stage::{
     StageOptions, StageThread, ViewportId,
 };
 use pointstage_plugin_api::abi::Format;
-use pointstage_scene::Scene;
+use pointstage_scene::{Loaders, Scene};
 
 use super::rows::{self, Rows};
+use crate::file_loaders::loaders;
 
 /// The stage on its thread, and what came from it.
 pub(crate) struct StageLink {
@@ -45,6 +46,12 @@ impl StageLink {
             failures: channel(),
             awaited_rows: 0,
         })
+    }
+
+    /// The loaders of the program and of its plugins, for threads that may wait until those are known.
+    pub(crate) fn loaders(&self) -> Loaders {
+        let handle = self.thread.registry_handle();
+        loaders(move || handle.wait())
     }
 
     /// Whether plugins are known and pictures can be asked for.

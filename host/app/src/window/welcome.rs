@@ -43,7 +43,7 @@ pub(crate) fn welcome_ui(ctx: &Context, over: Rect, welcome: &Welcome<'_>, out: 
 
 fn offers_ui(ui: &mut Ui, welcome: &Welcome<'_>, out: &mut Intents) {
     ui.heading("Nothing on the stage yet");
-    ui.label("Drop a PLY file or a session here, or open one:");
+    ui.label("Drop a scan, a mesh or a session here, or open one:");
     ui.horizontal_wrapped(|ui| {
         if ui.button("Open…").clicked() {
             out.push(FileIntent::Choose(OpenMode::Replace));

@@ -9,6 +9,10 @@ use super::load_error::LoadPluginError;
 use super::verdict::{Verdict, VerdictClass};
 use crate::device::{Backend, DeviceOptions};
 use crate::stage::{self, StageOptions};
+use abi_stable::std_types::{RSlice, RStr};
+use pointstage_plugin_api::Error;
+use pointstage_plugin_api::abi::FileStartRecord;
+use pointstage_plugin_api::loading::START_BYTES;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::io::Write as _;
@@ -81,7 +85,7 @@ fn check(file: &Path) -> Answer {
     });
     match read.and_then(|data| library::load(&data, file)) {
         Ok(library) => Answer {
-            verdict: Verdict::ok(),
+            verdict: try_loaders(&library).unwrap_or_else(Verdict::ok),
             api: Some(library.api().to_owned()),
         },
         Err(error) => {
@@ -89,6 +93,31 @@ fn check(file: &Path) -> Answer {
             Answer { verdict, api: None }
         }
     }
+}
+
+/// Shows each loader a few starts of files, as opening any file would; the verdict on the library if one fails.
+fn try_loaders(library: &library::LoadedLibrary) -> Option<Verdict> {
+    let zeros = [0; START_BYTES];
+    for loader in library.loaders() {
+        let failed = loader.and_then(|loader| {
+            for bytes in [&[][..], &zeros[..], b"1 2 3\n", b"\xff\xfe\xfd"] {
+                let start = FileStartRecord {
+                    bytes: RSlice::from_slice(bytes),
+                    name: RStr::from_str("unknown"),
+                    length: bytes.len() as u64,
+                };
+                loader.claims(&start).into_result().map_err(Error::from)?;
+            }
+            Ok(())
+        });
+        if let Err(error) = failed {
+            return Some(Verdict::rejected(format!(
+                "a loader of it fails at the first look at a file: {}",
+                error.message
+            )));
+        }
+    }
+    None
 }
 
 /// Draws one frame with a plugin, or the control frame without any.

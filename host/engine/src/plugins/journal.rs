@@ -22,6 +22,8 @@ pub enum Act {
     Load,
     /// It prepares and draws for the first time.
     FirstUse,
+    /// It looks at a file, or reads it.
+    ReadFile,
 }
 
 impl Act {
@@ -29,6 +31,7 @@ impl Act {
         match self {
             Self::Load => "while its library was loaded",
             Self::FirstUse => "while it prepared and drew for the first time",
+            Self::ReadFile => "while it read a file",
         }
     }
 }

@@ -21,7 +21,10 @@ use abi_stable::abi_stability::abi_checking::{
 };
 use abi_stable::library::{AbiHeaderRef, LibHeader, RootModule as _};
 use abi_stable::type_layout::TypeLayout;
-use pointstage_plugin_api::abi::{FactoryBox, PluginRootRef, ROOT_MODULE_LOADER_NAME_WITH_NUL};
+use pointstage_plugin_api::Error;
+use pointstage_plugin_api::abi::{
+    FactoryBox, LoaderBox, PluginRootRef, ROOT_MODULE_LOADER_NAME_WITH_NUL,
+};
 use pointstage_plugin_api::manifest::Manifest;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -63,12 +66,20 @@ impl LoadedLibrary {
         self.factories.iter().position(fits)
     }
 
+    /// Its loaders, in the order of its factories.
+    pub(super) fn loaders(&self) -> impl Iterator<Item = Result<LoaderBox, Error>> {
+        let factories = self.factories.iter();
+        factories
+            .filter(|factory| factory.kind().as_str() == "loader")
+            .map(|factory| factory.loader().into_result().map_err(Error::from))
+    }
+
     pub(super) fn factory(&self, index: usize) -> &FactoryBox {
         &self.factories[index]
     }
 }
 
-/// One plugin of a loaded library: makes renderers or structures.
+/// One plugin of a loaded library: makes renderers, structures or loaders.
 #[derive(Clone, Debug)]
 pub struct Factory {
     library: Arc<LoadedLibrary>,
@@ -163,7 +174,7 @@ fn load_anew(data: &[u8], path: &Path) -> Result<LoadedLibrary, LoadPluginError>
         load_time: began.elapsed(),
     };
     for plugin in &library.manifest.plugins {
-        let known = matches!(plugin.kind.as_str(), "renderer" | "structure");
+        let known = matches!(plugin.kind.as_str(), "renderer" | "structure" | "loader");
         if known && library.factory_index(&plugin.kind, &plugin.id).is_none() {
             let (kind, id) = (plugin.kind.clone(), plugin.id.clone());
             return Err(LoadPluginError::NoFactory { file, kind, id });

@@ -1,10 +1,10 @@
-//! Plugins: from files to factories that make renderers and structures.
+//! Plugins: from files to factories that make renderers, structures and loaders.
 //!
 //! [`Registry::discover`] goes through the candidates ([`discover`]). A file is first looked at without running it:
 //! whole ([`elf`]), with a good manifest ([`manifest`]) for this border. A new or changed one is then loaded in a child
 //! process with a time limit ([`probe`]); the verdict is kept ([`cache`]) for as long as file and program stay the same.
 //! [`Registry::load`] loads a good one into this process ([`library`], the only unsafe code of the engine) and returns
-//! its [`Factory`]. Before first use, [`Registry::try_out`] draws a frame with it in another child. The [`journal`]
+//! its [`Factory`]. What loaders there are, [`loaders`] offers to the scene. Before first use, [`Registry::try_out`] draws a frame with it in another child. The [`journal`]
 //! names the plugin that is about to do something for the first time, so that the next start knows who ended the session.
 //!
 //! A plugin is native code: what is here contains mistakes, not malice, and nothing can stop a crash or an endless loop
@@ -21,6 +21,8 @@ mod instance;
 pub mod journal;
 pub mod library;
 mod load_error;
+mod loader;
+mod loader_sink;
 mod log_book;
 pub mod manifest;
 mod names;
@@ -38,6 +40,7 @@ pub use instance::HostInstance;
 pub use journal::{Act, Culprit, Watch};
 pub use library::Factory;
 pub use load_error::LoadPluginError;
+pub use loader::loaders;
 pub use log_book::{LogBook, LogLine};
 pub use names::UnknownPlugin;
 pub use probe::{ChildProgram, Examination};

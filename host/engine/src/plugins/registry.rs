@@ -1,4 +1,4 @@
-//! The plugins of a session: every file with its verdict, every renderer and structure by its names.
+//! The plugins of a session: every file with its verdict, every renderer, structure and loader by its names.
 
 use super::cache::{FileKey, TrialKey, VerdictCache};
 use super::child::TrialRequest;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// One renderer or structure that may be used.
+/// One renderer, structure or loader that may be used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PluginInfo {
     /// Reverse-domain id.
@@ -35,6 +35,7 @@ pub struct Registry {
     files: Vec<PluginFile>,
     renderers: Vec<Arc<PluginInfo>>,
     structures: Vec<Arc<PluginInfo>>,
+    loaders: Vec<Arc<PluginInfo>>,
     options: DiscoverOptions,
     cache: Mutex<VerdictCache>,
     /// Outcomes of control runs, by adapter.
@@ -99,6 +100,7 @@ impl Registry {
         let mut seen = std::collections::BTreeSet::new();
         files.retain(|file| file.named || file.hash.is_empty() || seen.insert(file.hash.clone()));
         let (mut renderers, structures) = (list(&files, "renderer"), list(&files, "structure"));
+        let loaders = list(&files, "loader");
         renderers.sort_by_key(|info| {
             let is_named = files
                 .iter()
@@ -113,6 +115,7 @@ impl Registry {
             files,
             renderers,
             structures,
+            loaders,
             options: options.clone(),
             cache: Mutex::new(cache),
             controls: Mutex::default(),
@@ -136,6 +139,11 @@ impl Registry {
     /// The structures that may be used.
     pub fn structures(&self) -> Vec<Arc<PluginInfo>> {
         self.structures.clone()
+    }
+
+    /// The loaders that may be used, in the order of the folders.
+    pub fn loaders(&self) -> Vec<Arc<PluginInfo>> {
+        self.loaders.clone()
     }
 
     /// The renderer of this id, alias, `id@version` or `id#hash`.

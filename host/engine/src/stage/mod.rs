@@ -34,9 +34,10 @@ mod viewport;
 
 pub use ids::{IdSource, IdTable, Identified};
 pub use options::{FrameError, StageError, StageOptions};
+pub(crate) use prepare::setting_records;
 pub use request::*;
 pub use selection::SelectionError;
 pub use session::{Adapter, FALLBACK_ID, Stage};
-pub use thread::{PluginHoldings, StageStatus, StageThread};
+pub use thread::{PluginHoldings, RegistryHandle, StageStatus, StageThread};
 pub use tile::{LARGEST_IMAGE_PX, Tile};
 pub use try_out::{TryOut, try_out};

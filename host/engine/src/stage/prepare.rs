@@ -376,7 +376,7 @@ fn changes<P>(
 }
 
 /// Values as border records.
-pub(super) fn setting_records(values: &SettingValues) -> Vec<SettingRecord<'_>> {
+pub(crate) fn setting_records(values: &SettingValues) -> Vec<SettingRecord<'_>> {
     values.iter().map(setting_record).collect()
 }
 

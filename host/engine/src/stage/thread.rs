@@ -48,6 +48,29 @@ pub struct StageThread {
 struct Shared {
     state: Mutex<State>,
     wake: Condvar,
+    /// Told when the plugins are known, or never will be.
+    opened: Condvar,
+}
+
+/// The plugins of a stage's thread, for threads that may wait for them.
+#[derive(Clone)]
+pub struct RegistryHandle {
+    shared: Arc<Shared>,
+}
+
+impl RegistryHandle {
+    /// The plugins found last; waits until the stage is open. None if it never opens.
+    pub fn wait(&self) -> Option<Arc<Registry>> {
+        let mut state = self.shared.lock();
+        while state.registry.is_none() && !state.ended {
+            state = self
+                .shared
+                .opened
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+        state.registry.clone()
+    }
 }
 
 #[derive(Default)]
@@ -64,6 +87,8 @@ struct State {
     registry: Option<Arc<Registry>>,
     status: StageStatus,
     quit: bool,
+    /// The thread has ended, or is going to without ever having opened its stage.
+    ended: bool,
 }
 
 type Errand = Box<dyn FnOnce(&mut Stage) + Send>;
@@ -81,11 +106,15 @@ impl StageThread {
         let shared = Arc::new(Shared {
             state: Mutex::default(),
             wake: Condvar::new(),
+            opened: Condvar::new(),
         });
         let for_worker = Arc::clone(&shared);
         let worker = std::thread::Builder::new()
             .name("render".into())
-            .spawn(move || for_worker.run(options, &repaint))?;
+            .spawn(move || {
+                let end = EndOfThread(for_worker);
+                end.0.run(options, &repaint);
+            })?;
         Ok(Self {
             shared,
             worker: Some(worker),
@@ -158,6 +187,13 @@ impl StageThread {
         self.shared.lock().registry.clone()
     }
 
+    /// The plugins, for a thread that may wait until they are known.
+    pub fn registry_handle(&self) -> RegistryHandle {
+        RegistryHandle {
+            shared: Arc::clone(&self.shared),
+        }
+    }
+
     /// Device and state.
     pub fn status(&self) -> StageStatus {
         self.shared.lock().status.clone()
@@ -172,6 +208,16 @@ impl Drop for StageThread {
             // A panic of the render thread was reported when it happened.
             let _ = worker.join();
         }
+    }
+}
+
+/// Says that the thread has ended, by a panic too.
+struct EndOfThread(Arc<Shared>);
+
+impl Drop for EndOfThread {
+    fn drop(&mut self) {
+        self.0.lock().ended = true;
+        self.0.opened.notify_all();
     }
 }
 
@@ -253,6 +299,7 @@ impl Shared {
         state.notices.append(&mut stage.notices);
         state.status.holdings = holdings;
         state.registry = Some(stage.registry());
+        self.opened.notify_all();
         state.status.adapter = stage.adapter();
         state.status.no_device = stage.no_device().map(ToOwned::to_owned);
     }

@@ -1,31 +1,61 @@
 //! Files into objects.
 //!
-//! [`load`] looks at the file's first bytes, hands it to the loader of that format, and returns an object with counted
-//! warnings. It runs on a worker thread, reports to a [`Job`] and stops when that is cancelled.
+//! [`load`] shows the file's first bytes to the [`Loaders`], hands it to the one that claims it most, and returns an object
+//! with counted warnings. It runs on a worker thread, reports to a [`Job`] and stops when that is cancelled. To add a
+//! format here, write a [`Loader`] and enter it in `loaders`; a stranger's comes as a plugin.
 
+mod assemble;
+mod columns;
+mod error;
 pub(crate) mod fill;
+mod loader;
+mod loaders;
+mod not_read;
+mod object_builder;
 mod ply;
+mod qs;
+pub(crate) mod sfl;
 pub(crate) mod source;
+mod tri;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
-pub use ply::{Place, PlyError};
-use ply::{PlyContents, Stop};
-use source::Source;
+pub use error::{FormatError, LoadError, LoadStop, Place};
+pub use loader::{Claim, Contents, FileStart, Loader, LoaderInfo, START_BYTES, SourceFile};
+pub use loaders::{Loaders, UnknownLoader};
+pub use object_builder::{BuildError, ColumnRole, ColumnSpec, ObjectBuilder};
+pub use ply::PlyError;
+pub use qs::QsError;
+pub use sfl::SflError;
+pub use tri::TriError;
 
-use crate::job::{Cancelled, Job};
+use pointstage_plugin_api::settings_schema::SettingValues;
+
+use crate::job::Job;
 use crate::scene::Object;
 use crate::warnings::Warnings;
 
 /// How to load.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
+    /// The loader that the user chose; without one, content and extension decide.
+    pub loader: Option<LoaderChoice>,
     /// Whether normals and radii that the file lacks are estimated from neighbours at once.
     pub estimation: Estimation,
     /// How a vertex of a mesh gets its radius.
     pub face_radius: FaceRadius,
     /// Which side of a mesh is outside.
     pub winding: Winding,
+}
+
+/// A loader that the user chose for a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoaderChoice {
+    /// Its id or alias.
+    pub loader: String,
+    /// Values of its own options; what is absent takes its default.
+    pub settings: SettingValues,
 }
 
 /// Whether to estimate normals and radii of point sets while loading.
@@ -68,91 +98,71 @@ pub enum Winding {
 pub struct Loaded {
     /// The object, named after the file.
     pub object: Object,
+    /// What read it.
+    pub loader: LoaderInfo,
     /// What was done, but not as asked.
     pub warnings: Warnings,
 }
 
-/// A file that cannot be loaded.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum LoadError {
-    /// The file cannot be read.
-    #[error("{}: cannot be read: {source}; check the path and its permissions", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// No loader knows the file.
-    #[error("{}: starts with {found}, expected 'ply'; this program reads PLY files, convert the file to PLY", path.display())]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-        /// Its first bytes, escaped.
-        found: String,
-    },
-    /// The file says something that cannot be.
-    #[error("{}, {source}", path.display())]
-    Ply {
-        /// The file.
-        path: PathBuf,
-        /// What.
-        source: PlyError,
-    },
-    /// The owner cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-/// Reads a file into an object.
+/// Reads a file into an object, by the loaders that come with the program.
 ///
 /// Thread: any; takes seconds for large files. Stops soon after `job` is cancelled.
 ///
 /// # Errors
 /// The file cannot be read, is of no known format, or says something that cannot be.
 pub fn load(path: &Path, options: &LoadOptions, job: &Job) -> Result<Loaded, LoadError> {
+    load_with(&Loaders::built_in(), path, options, job)
+}
+
+/// Reads a file into an object, by one of `loaders`.
+///
+/// Thread: any; takes seconds for large files. Stops soon after `job` is cancelled.
+///
+/// # Errors
+/// As [`load`], and if there is no loader of the name asked for.
+pub fn load_with(
+    loaders: &Loaders,
+    path: &Path,
+    options: &LoadOptions,
+    job: &Job,
+) -> Result<Loaded, LoadError> {
     let span = tracing::info_span!("load", path = %path.display());
     let _entered = span.enter();
     job.check()?;
-    let file = Source::open(path).map_err(|source| LoadError::Io {
+    let file = SourceFile::open(path).map_err(|source| LoadError::Io {
         path: path.to_path_buf(),
         source,
     })?;
-    if !file.starts_with(b"ply") {
-        let start = &file[..file.len().min(16)];
-        let found = if start.is_empty() {
-            "nothing (the file is empty)".to_owned()
-        } else {
-            format!("'{}'", start.escape_ascii())
-        };
-        return Err(LoadError::UnknownFormat {
-            path: path.to_path_buf(),
-            found,
-        });
-    }
-    let PlyContents {
+    let loader: Arc<dyn Loader> = {
+        let wanted = options.loader.as_ref();
+        loaders.choose(&file, wanted.map(|choice| choice.loader.as_str()))?
+    };
+    let Contents {
         origin,
+        world_from_object,
         geometry,
         warnings,
-    } = ply::read(&file, *options, job).map_err(|stop| match stop {
-        Stop::Ply(source) => LoadError::Ply {
-            path: path.to_path_buf(),
-            source: *source,
-        },
-        Stop::Cancelled => LoadError::Cancelled(Cancelled),
-    })?;
+    } = loader
+        .load(&file, options, job)
+        .map_err(|stop| stop.of_file(path.to_path_buf(), loader.info()))?;
     let name = path.file_stem().map_or_else(
         || path.display().to_string(),
         |stem| stem.to_string_lossy().into_owned(),
     );
     let mut object = Object::new(name, origin, geometry);
+    object.world_from_object = world_from_object;
     object.source = Some(path.to_path_buf());
+    object.loader.clone_from(&options.loader);
     tracing::debug!(
+        loader = loader.info().id,
         surfels = object.geometry.surfel_count,
         triangles = object.geometry.triangle_count(),
         warnings = warnings.iter().count(),
         "loaded"
     );
-    Ok(Loaded { object, warnings })
+    Ok(Loaded {
+        object,
+        loader: loader.info().clone(),
+        warnings,
+    })
 }

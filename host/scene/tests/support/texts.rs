@@ -7,6 +7,7 @@ use crate::support::load_bytes;
 
 /// Nothing but what the file has.
 pub(crate) const FILE_ONLY: LoadOptions = LoadOptions {
+    loader: None,
     estimation: Estimation::FileOnly,
     face_radius: FaceRadius::EnclosingCircle,
     winding: Winding::AsInFile,

@@ -21,9 +21,9 @@ use std::sync::Arc;
 use anyhow::Context as _;
 use clap::Args;
 use pointstage_engine::stage::Stage;
-use pointstage_scene::Scene;
+use pointstage_scene::{Loaders, Scene};
 
-use super::load::LoadArguments;
+use super::load::{LoadArguments, loaders_of};
 use super::measuring::entries::{self, Entry, EntryText};
 use super::measuring::limits::Limit;
 use super::measuring::look::LookArguments;
@@ -49,7 +49,7 @@ Pictures are drawn as fast as they can be (there is no display to wait for) and 
 round by round. --path FILE holds a view record, around whose pivot the eye turns once, or a list of them ([ …, … ]), which
 the eye flies through. With --out, DIR gets bench.json, bench.md and plots (SVG).")]
 pub(crate) struct BenchArguments {
-    /// PLY files, each a scene of its own
+    /// Files of points or meshes, each a scene of its own
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// Renderers to time, separated by commas; the same one may stand there several times with different settings
@@ -108,7 +108,7 @@ pub(crate) fn run(globals: &Globals, arguments: &BenchArguments) -> Outcome {
     let entries = entries::find_all(&stage, &arguments.renderers)?;
     let baseline = baseline(&stage, arguments, &entries)?;
     arguments.look.check_size(&stage)?;
-    let stands = stands(arguments)?;
+    let stands = stands(arguments, &loaders_of(&stage))?;
     let paths = stands
         .iter()
         .map(|stand| {
@@ -173,10 +173,12 @@ fn baseline(
 }
 
 /// Loads every scene, and names them apart.
-fn stands(arguments: &BenchArguments) -> Outcome<Vec<Stand>> {
+fn stands(arguments: &BenchArguments, loaders: &Loaders) -> Outcome<Vec<Stand>> {
     let mut stands: Vec<Stand> = Vec::new();
     for file in &arguments.files {
-        let (scene, _) = arguments.load.load_scene(&[SceneFile::new(file.clone())])?;
+        let (scene, _) = arguments
+            .load
+            .load_scene(&[SceneFile::new(file.clone())], loaders)?;
         let stem = file.file_stem().unwrap_or(file.as_os_str());
         let stem = stem.to_string_lossy().into_owned();
         let is_taken = |name: &str| stands.iter().any(|stand| stand.name == name);

@@ -12,7 +12,7 @@ use crate::cli::measuring::look::LookArguments;
 /// What is drawn, from where, what it is measured by, and where it goes.
 #[derive(Debug, Args)]
 pub(crate) struct ComparisonArguments {
-    /// PLY files; each becomes an object
+    /// Files of points or meshes; each becomes an object
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// The renderer that the others are measured by

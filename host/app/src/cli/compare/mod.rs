@@ -20,6 +20,7 @@ use anyhow::Context as _;
 use clap::Args;
 use pointstage_engine::stage::Stage;
 
+use super::load::loaders_of;
 use super::measuring::entries::{self, Entry, EntryText};
 use super::{Globals, Outcome, named_plugins, views, write_out};
 use crate::output::whole_file;
@@ -95,7 +96,8 @@ pub(crate) fn compare(
         .cloned()
         .map(SceneFile::new)
         .collect();
-    let (scene, warnings) = arguments.load.load_scene(&files)?;
+    let loaders = loaders_of(&stage);
+    let (scene, warnings) = arguments.load.load_scene(&files, &loaders)?;
     if let Reference::Renderer { entry, .. } = &reference {
         entry.check_scene(&stage, &scene)?;
     }

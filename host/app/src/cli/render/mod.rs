@@ -13,7 +13,7 @@ use std::sync::Arc;
 use clap::Args;
 use pointstage_engine::stage::{Background, Stage};
 
-use super::load::LoadArguments;
+use super::load::{LoadArguments, loaders_of};
 use super::values::{self, AovFile};
 use super::{Failure, Globals, Outcome, named_plugins, write_out};
 use crate::output::whole_file;
@@ -43,7 +43,7 @@ Images beyond the device's limit are drawn in tiles and look the same.
 Images carry the renderer, settings and view that made them, as JSON: PNG in the text chunk 'Pointstage', EXR in the
 attribute of that name. --session takes such a PNG too, and draws it again.")]
 pub(crate) struct RenderArguments {
-    /// PLY files; each becomes an object [default: the session's]
+    /// Files of points or meshes; each becomes an object [default: the session's]
     #[arg(value_name = "FILE", required_unless_present = "session")]
     files: Vec<PathBuf>,
     /// Session that the window saved, or a picture of Pointstage; the other options override what it says
@@ -104,7 +104,8 @@ pub(crate) fn run(globals: &Globals, arguments: &RenderArguments) -> Outcome {
     let mut stage = Stage::new(globals.stage_options())?;
     named_plugins::warn_of_unusable(&stage.registry(), globals);
     let choice = Choice::new(&stage, arguments, &plan)?;
-    let (scene, warnings) = arguments.load.load_scene(&plan.files)?;
+    let loaders = loaders_of(&stage);
+    let (scene, warnings) = arguments.load.load_scene(&plan.files, &loaders)?;
     let scene = Arc::new(scene);
     let renderer = choice.renderer_for(&stage, &scene);
     if let Ok(info) = stage.registry().find_renderer(&renderer) {

@@ -84,7 +84,9 @@ impl App {
         let name = path.file_name().unwrap_or(path.as_os_str());
         let title = format!("Open {}", name.to_string_lossy());
         tracing::info!("{title}");
-        self.tasks.push(title, move |job| load_session(&path, job));
+        let loaders = self.loaders.clone();
+        self.tasks
+            .push(title, move |job| load_session(&path, &loaders, job));
     }
 
     pub(super) fn push_load(
@@ -97,8 +99,10 @@ impl App {
         let name = path.file_name().unwrap_or(path.as_os_str());
         let title = format!("{verb} {}", name.to_string_lossy());
         tracing::info!("{title}");
-        self.tasks
-            .push(title, move |job| load_file(&path, options, place, job));
+        let loaders = self.loaders.clone();
+        self.tasks.push(title, move |job| {
+            load_file(&path, &loaders, &options, place, job)
+        });
     }
 
     /// Reads every object's file again, as it was read before.
@@ -117,7 +121,7 @@ impl App {
     }
 
     pub(super) fn choose_files(&mut self, asked: Asked) {
-        match FileDialog::open(asked, self.wake.clone()) {
+        match FileDialog::open(asked, &self.loaders, self.wake.clone()) {
             Ok(dialog) => self.dialog = Some(dialog),
             Err(error) => self.log.error(
                 format!("No file dialog can be opened ({error}); type the path instead."),

@@ -78,17 +78,25 @@ impl App {
         }
     }
 
-    /// How the object's file was loaded, as its warnings tell.
+    /// How the object's file was loaded, as it and its warnings tell.
     pub(in crate::window) fn loaded_as(&self, id: ObjectId) -> LoadOptions {
         let is_flipped = self
             .session
             .warnings
             .get(&id)
             .is_some_and(|warnings| warnings.count(&WarningKind::Flipped) > 0);
+        let options = LoadOptions {
+            loader: self
+                .session
+                .scene
+                .object(id)
+                .and_then(|object| object.loader.clone()),
+            ..LoadOptions::default()
+        };
         if is_flipped {
-            flipped(LoadOptions::default())
+            flipped(options)
         } else {
-            LoadOptions::default()
+            options
         }
     }
 

@@ -12,15 +12,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::binary::columns_of;
-use super::body::{Body, CornerLists, Corners, Stop, Triangles, corner_from};
+use super::body::{Body, Stop};
 use super::error::PlyError;
 use super::header::{Element, PlyHeader, PropertyKind};
-use super::plan::{ElementUse, FaceKind, FaceLists};
+use super::plan::{ElementUse, FaceLists};
 use super::row::{Fault, Row};
-use super::table::{ByteOrder, Table, write_native};
 use super::text::{Piece, Text};
 use crate::geometry::ScalarType;
 use crate::job::Job;
+use crate::load::assemble::{
+    ByteOrder, CornerLists, Corners, FaceKind, Table, Triangles, corner_from, write_native,
+};
 use crate::load::fill::zeroed_slice;
 use crate::load::source::Source;
 use crate::warnings::{WarningKind, Warnings};

@@ -5,13 +5,15 @@
 
 use std::borrow::Cow;
 
-use super::body::{Body, CornerLists, Corners, Stop, corner_from};
+use super::body::{Body, Stop};
 use super::error::{Place, PlyError};
 use super::header::{Element, PlyHeader, PropertyKind};
-use super::plan::{ElementUse, FaceKind, FaceLists};
-use super::table::{ByteOrder, Table, TableColumn, read_integer};
+use super::plan::{ElementUse, FaceLists};
 use super::triangles::all_triangles;
 use crate::job::Job;
+use crate::load::assemble::{
+    ByteOrder, CornerLists, Corners, FaceKind, Table, TableColumn, corner_from, read_integer,
+};
 use crate::warnings::{WarningKind, Warnings};
 
 /// Rows read between two looks at the cancel flag.

@@ -1,24 +1,6 @@
 //! What can be wrong with a PLY file.
 
-use std::fmt;
-
-/// A place in a file: a byte of a binary body, or a line of text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// Offset from the start of the file.
-    Byte(u64),
-    /// Line of the file, from 1.
-    Line(u64),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Byte(byte) => write!(f, "byte {byte}"),
-            Self::Line(line) => write!(f, "line {line}"),
-        }
-    }
-}
+pub(super) use crate::load::error::{Place, excerpt};
 
 /// A PLY file that cannot be read. Each message says where, what was expected, what was found, and what to do.
 ///
@@ -201,15 +183,4 @@ pub enum PlyError {
         /// Rows promised.
         rows: u64,
     },
-}
-
-/// Bytes of a file for a message: at most 40, escaped.
-pub(super) fn excerpt(bytes: &[u8]) -> String {
-    const MOST: usize = 40;
-    let shown = bytes[..bytes.len().min(MOST)].escape_ascii().to_string();
-    if bytes.len() > MOST {
-        shown + "…"
-    } else {
-        shown
-    }
 }

@@ -13,7 +13,7 @@ const EXACT_POWERS: [f64; 23] = [
 const EXACT_INTEGER: u64 = 1 << 53;
 
 /// Reads a decimal number, correctly rounded to f64; also `nan`, `inf`, and what Microsoft's C library prints for them.
-pub(super) fn parse_f64(word: &[u8]) -> Option<f64> {
+pub(in crate::load) fn parse_f64(word: &[u8]) -> Option<f64> {
     match scan_f64(word) {
         Some((value, length)) if length == word.len() => Some(value),
         _ => parse_slowly(word),

@@ -3,6 +3,7 @@
 use super::error::PlyError;
 use super::header::{Element, PlyHeader, PropertyKind};
 use crate::geometry::ScalarType;
+use crate::load::assemble::{FaceKind, MOST_VERTICES};
 
 /// Names of the lists that hold the corners of faces.
 const CORNER_LISTS: [&str; 4] = ["vertex_indices", "vertex_index", "vertex_list", "indices"];
@@ -28,15 +29,6 @@ pub(super) struct FaceLists {
     pub(super) kind: FaceKind,
 }
 
-/// How a list of corners is meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FaceKind {
-    /// A row is one polygon.
-    Polygons,
-    /// A row is triangle strips, apart by −1.
-    Strips,
-}
-
 /// The use of each element, in file order.
 ///
 /// Vertices are the element `vertex`; where there is none, the elements `vertex_…` around a `vertex_position`; where there
@@ -56,7 +48,7 @@ pub(super) fn plan(header: &PlyHeader) -> Result<Vec<ElementUse>, PlyError> {
             element: first.name.clone(),
         });
     }
-    if first.count > u64::from(u32::MAX - 15) {
+    if first.count > MOST_VERTICES {
         return Err(PlyError::TooManyVertices {
             element: first.name.clone(),
             rows: first.count,

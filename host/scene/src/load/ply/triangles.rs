@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::body::{Triangles, corner_from};
 use super::header::{Element, PropertyKind};
-use super::table::{ByteOrder, read_integer};
 use crate::geometry::ScalarType;
 use crate::job::{Cancelled, Job};
+use crate::load::assemble::{ByteOrder, Triangles, corner_from, read_integer};
 use crate::load::fill::zeroed_slice;
 
 /// Rows converted between two looks at the cancel flag.

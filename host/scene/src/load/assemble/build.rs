@@ -10,8 +10,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use pointstage_plugin_api::columns::{NO_NORMAL, TangentAxes, encode_normal};
 
-use super::body::Stop;
-use super::error::PlyError;
+use super::AssembleError;
 use super::place::{Placed, new_indices, origin_for, place};
 use super::roles::{NamedRole, Roles};
 use super::table::{Field, Piece, RowSelection};
@@ -24,24 +23,24 @@ use crate::warnings::{WarningKind, Warnings};
 
 /// The columns of a file.
 #[derive(Debug)]
-pub(super) struct Built {
-    pub(super) blocks: Vec<Block>,
-    pub(super) origin: DVec3,
+pub(in crate::load) struct Built {
+    pub(in crate::load) blocks: Vec<Block>,
+    pub(in crate::load) origin: DVec3,
     /// Relative to `origin`.
-    pub(super) bounds: Bounds,
+    pub(in crate::load) bounds: Bounds,
     /// New index of each row, `u32::MAX` for dropped ones; `None` when all were kept.
-    pub(super) new_index: Option<Vec<u32>>,
-    pub(super) origins: Origins,
+    pub(in crate::load) new_index: Option<Vec<u32>>,
+    pub(in crate::load) origins: Origins,
 }
 
 /// Builds the columns of `row_count` vertices.
-pub(super) fn build(
+pub(in crate::load) fn build(
     roles: &Roles<'_>,
     row_count: usize,
     winding: Winding,
     job: &Job,
     warnings: &mut Warnings,
-) -> Result<Built, Stop> {
+) -> Result<Built, AssembleError> {
     let mut rows = RowSelection::All(row_count);
     let (mut positions, mut placed) = place(roles, &rows, DVec3::ZERO, job)?;
     let origin = origin_for(&placed.bounds);
@@ -57,10 +56,9 @@ pub(super) fn build(
             .map(|(row, _)| row);
         rows = RowSelection::Kept(kept.collect());
         if rows.len() == 0 {
-            return Err(PlyError::NothingFinite {
+            return Err(AssembleError::NothingFinite {
                 count: row_count as u64,
-            }
-            .into());
+            });
         }
     }
     if new_index.is_some() || origin != DVec3::ZERO {

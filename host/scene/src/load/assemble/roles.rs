@@ -18,27 +18,27 @@ use crate::geometry::ScalarType;
 
 /// The properties of the vertices by meaning.
 #[derive(Debug)]
-pub(super) struct Roles<'t> {
-    pub(super) x: Field<'t>,
-    pub(super) y: Field<'t>,
-    pub(super) z: Option<Field<'t>>,
-    pub(super) normal: Option<[Field<'t>; 3]>,
+pub(in crate::load) struct Roles<'t> {
+    pub(in crate::load) x: Field<'t>,
+    pub(in crate::load) y: Field<'t>,
+    pub(in crate::load) z: Option<Field<'t>>,
+    pub(in crate::load) normal: Option<[Field<'t>; 3]>,
     /// Red, green, blue.
-    pub(super) colour: Option<[Field<'t>; 3]>,
-    pub(super) alpha: Option<Field<'t>>,
-    pub(super) radius: Option<Field<'t>>,
+    pub(in crate::load) colour: Option<[Field<'t>; 3]>,
+    pub(in crate::load) alpha: Option<Field<'t>>,
+    pub(in crate::load) radius: Option<Field<'t>>,
     /// ux, uy, uz, vx, vy, vz.
-    pub(super) axes: Option<[Field<'t>; 6]>,
-    pub(super) named: Vec<NamedRole<'t>>,
+    pub(in crate::load) axes: Option<[Field<'t>; 6]>,
+    pub(in crate::load) named: Vec<NamedRole<'t>>,
 }
 
 /// A property kept under its name.
 #[derive(Debug)]
-pub(super) struct NamedRole<'t> {
-    pub(super) name: String,
-    pub(super) scalar: ScalarType,
+pub(in crate::load) struct NamedRole<'t> {
+    pub(in crate::load) name: String,
+    pub(in crate::load) scalar: ScalarType,
     /// One a component.
-    pub(super) fields: Vec<Field<'t>>,
+    pub(in crate::load) fields: Vec<Field<'t>>,
 }
 
 /// Properties that nobody has claimed yet.
@@ -48,7 +48,7 @@ struct Pool<'t> {
 
 impl<'t> Roles<'t> {
     /// Sorts the columns of the vertex elements; `None` without x or y.
-    pub(super) fn assign(tables: &'t [(&str, Table<'_>)]) -> Option<Self> {
+    pub(in crate::load) fn assign(tables: &'t [(&str, Table<'_>)]) -> Option<Self> {
         let fields = tables
             .iter()
             .flat_map(|(element, table)| {

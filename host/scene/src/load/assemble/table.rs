@@ -11,25 +11,25 @@ use crate::load::fill::PIECE_SURFELS;
 
 /// Rows of scalars.
 #[derive(Clone, Debug)]
-pub(super) struct Table<'a> {
-    pub(super) bytes: Cow<'a, [u8]>,
+pub(in crate::load) struct Table<'a> {
+    pub(in crate::load) bytes: Cow<'a, [u8]>,
     /// Bytes from a row to the next; above 0.
-    pub(super) stride: usize,
-    pub(super) rows: usize,
-    pub(super) order: ByteOrder,
-    pub(super) columns: Vec<TableColumn>,
+    pub(in crate::load) stride: usize,
+    pub(in crate::load) rows: usize,
+    pub(in crate::load) order: ByteOrder,
+    pub(in crate::load) columns: Vec<TableColumn>,
 }
 
 /// Byte order of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ByteOrder {
+pub(in crate::load) enum ByteOrder {
     Little,
     Big,
 }
 
 impl ByteOrder {
     /// This machine's.
-    pub(super) const NATIVE: Self = if cfg!(target_endian = "big") {
+    pub(in crate::load) const NATIVE: Self = if cfg!(target_endian = "big") {
         Self::Big
     } else {
         Self::Little
@@ -38,26 +38,26 @@ impl ByteOrder {
 
 /// One column of a table.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TableColumn {
-    pub(super) name: String,
-    pub(super) scalar: ScalarType,
+pub(in crate::load) struct TableColumn {
+    pub(in crate::load) name: String,
+    pub(in crate::load) scalar: ScalarType,
     /// Offset in a row.
-    pub(super) offset: usize,
+    pub(in crate::load) offset: usize,
 }
 
 /// A column, ready to read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Field<'t> {
+pub(in crate::load) struct Field<'t> {
     /// The table from the column's first value on.
     bytes: &'t [u8],
     stride: usize,
     order: ByteOrder,
-    pub(super) scalar: ScalarType,
+    pub(in crate::load) scalar: ScalarType,
 }
 
 /// Which rows of the tables become surfels.
 #[derive(Clone, Debug)]
-pub(super) enum RowSelection {
+pub(in crate::load) enum RowSelection {
     /// All of them; this many.
     All(usize),
     /// These, ascending.
@@ -66,7 +66,7 @@ pub(super) enum RowSelection {
 
 impl RowSelection {
     /// How many.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::load) fn len(&self) -> usize {
         match self {
             Self::All(count) => *count,
             Self::Kept(rows) => rows.len(),
@@ -137,7 +137,7 @@ macro_rules! with_scalar_type {
 
 impl Table<'_> {
     /// The column at `index`.
-    pub(super) fn field(&self, index: usize) -> Field<'_> {
+    pub(in crate::load) fn field(&self, index: usize) -> Field<'_> {
         let column = &self.columns[index];
         let bytes = self.bytes.get(column.offset..).unwrap_or_default();
         Field {
@@ -155,7 +155,7 @@ impl Field<'_> {
         clippy::useless_conversion,
         reason = "one of the types of the macro is f64 itself"
     )]
-    pub(super) fn read(&self, rows: &RowSelection, range: Range<usize>, out: &mut [f64]) {
+    pub(in crate::load) fn read(&self, rows: &RowSelection, range: Range<usize>, out: &mut [f64]) {
         match rows {
             RowSelection::All(_) => {
                 let bytes = &self.bytes[range.start * self.stride..];
@@ -176,7 +176,7 @@ impl Field<'_> {
     }
 
     /// The value of table row `row` in native byte order, into `out` of the scalar's size.
-    pub(super) fn copy_native(&self, row: usize, out: &mut [u8]) {
+    pub(in crate::load) fn copy_native(&self, row: usize, out: &mut [u8]) {
         let start = row * self.stride;
         out.copy_from_slice(&self.bytes[start..start + out.len()]);
         if self.order != ByteOrder::NATIVE {
@@ -186,13 +186,13 @@ impl Field<'_> {
 }
 
 /// Values of `N` fields for some surfels, as f64.
-pub(super) struct Piece<const N: usize> {
-    pub(super) values: [[f64; PIECE_SURFELS]; N],
+pub(in crate::load) struct Piece<const N: usize> {
+    pub(in crate::load) values: [[f64; PIECE_SURFELS]; N],
 }
 
 impl<const N: usize> Piece<N> {
     /// Those of the selected rows `range`, at most [`PIECE_SURFELS`].
-    pub(super) fn read(
+    pub(in crate::load) fn read(
         fields: &[Option<Field<'_>>; N],
         rows: &RowSelection,
         range: &Range<usize>,
@@ -209,7 +209,7 @@ impl<const N: usize> Piece<N> {
 
 /// Writes `value` as `scalar` in native byte order at the start of `out`; integers saturate.
 #[inline]
-pub(super) fn write_native(scalar: ScalarType, value: f64, out: &mut [u8]) {
+pub(in crate::load) fn write_native(scalar: ScalarType, value: f64, out: &mut [u8]) {
     with_scalar_type!(scalar, Scalar => {
         let bytes = (value as Scalar).to_ne_bytes();
         out[..bytes.len()].copy_from_slice(&bytes);
@@ -221,7 +221,7 @@ pub(super) fn write_native(scalar: ScalarType, value: f64, out: &mut [u8]) {
     clippy::cast_lossless,
     reason = "the macro casts floats too, which have no lossless way"
 )]
-pub(super) fn read_integer(scalar: ScalarType, bytes: &[u8], order: ByteOrder) -> i64 {
+pub(in crate::load) fn read_integer(scalar: ScalarType, bytes: &[u8], order: ByteOrder) -> i64 {
     with_scalar_type!(scalar, Scalar => Scalar::read(bytes, order) as i64)
 }
 

@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::body::{CornerLists, Corners, STRIP_END};
-use super::plan::FaceKind;
+use super::corners::{CornerLists, Corners, FaceKind, STRIP_END};
 use super::polygon::{Cut, triangulate};
 use crate::estimate::Polygons;
 use crate::job::{Cancelled, Job};
@@ -17,20 +16,20 @@ const ROWS_A_PIECE: usize = 1 << 14;
 
 /// Triangles, and the polygons that they were cut from.
 #[derive(Debug)]
-pub(super) struct Faces {
-    pub(super) triangles: Arc<[[u32; 3]]>,
+pub(in crate::load) struct Faces {
+    pub(in crate::load) triangles: Arc<[[u32; 3]]>,
     /// `None` when every face was a triangle.
-    pub(super) polygons: Option<Polygons>,
+    pub(in crate::load) polygons: Option<Polygons>,
 }
 
 /// The vertices as faces see them.
-pub(super) struct Vertices<'a> {
+pub(in crate::load) struct Vertices<'a> {
     /// Rows of the vertex element.
-    pub(super) row_count: usize,
+    pub(in crate::load) row_count: usize,
     /// New index of each row, `u32::MAX` for dropped ones; `None` when all were kept.
-    pub(super) new_index: Option<&'a [u32]>,
+    pub(in crate::load) new_index: Option<&'a [u32]>,
     /// Local centre of a vertex by its new index.
-    pub(super) centre: &'a dyn Fn(u32) -> DVec3,
+    pub(in crate::load) centre: &'a dyn Fn(u32) -> DVec3,
 }
 
 impl Vertices<'_> {
@@ -49,7 +48,7 @@ impl Vertices<'_> {
 }
 
 /// Joins the faces of all elements; what cannot be drawn is dropped and counted. `None` if the file has no faces at all.
-pub(super) fn resolve(
+pub(in crate::load) fn resolve(
     elements: Vec<Corners>,
     vertices: &Vertices<'_>,
     job: &Job,

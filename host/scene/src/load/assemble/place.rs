@@ -11,7 +11,7 @@ use crate::job::{Cancelled, Job};
 use crate::load::fill::{Column, PIECE_SURFELS, fill_blocks};
 
 /// Largest coordinate taken for one: squares of larger ones leave the range of f32.
-const MAX_COORDINATE: f64 = 1e18;
+pub(in crate::load) const MAX_COORDINATE: f64 = 1e18;
 
 /// Positions get an origin of their own when they are farther from 0 than this many times their box is large: f32 then
 /// keeps less than a millionth of the box, 16 · 2⁻²⁴.
@@ -19,10 +19,10 @@ const FAR_FROM_ORIGIN: f64 = 16.0;
 
 /// What placing the vertices found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
-    pub(super) bounds: Bounds,
-    pub(super) not_finite: usize,
-    pub(super) without_radius: usize,
+pub(in crate::load) struct Placed {
+    pub(in crate::load) bounds: Bounds,
+    pub(in crate::load) not_finite: usize,
+    pub(in crate::load) without_radius: usize,
 }
 
 impl Default for Placed {
@@ -36,7 +36,8 @@ impl Default for Placed {
 }
 
 impl Placed {
-    fn merge(self, other: Self) -> Self {
+    /// Both together.
+    pub(in crate::load) fn merge(self, other: Self) -> Self {
         Self {
             bounds: self.bounds.union(other.bounds),
             not_finite: self.not_finite + other.not_finite,
@@ -48,7 +49,7 @@ impl Placed {
 /// The origin for a box: 0, or a round number near its centre when it is far from 0 for its size.
 ///
 /// The number is a multiple of a power of two close to the box's size, so that subtracting it from an f32 is exact.
-pub(super) fn origin_for(bounds: &Bounds) -> DVec3 {
+pub(in crate::load) fn origin_for(bounds: &Bounds) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;
     }
@@ -64,13 +65,15 @@ pub(super) fn origin_for(bounds: &Bounds) -> DVec3 {
     (bounds.centre() / step).round() * step
 }
 
-fn usable([x, y, z]: [f64; 3]) -> bool {
+/// Whether a surfel can stand there.
+#[inline]
+pub(in crate::load) fn usable([x, y, z]: [f64; 3]) -> bool {
     // Written so that NaN fails.
     x.abs() <= MAX_COORDINATE && y.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE
 }
 
 /// Centres (less `origin`) and radii of the selected rows.
-pub(super) fn place(
+pub(in crate::load) fn place(
     roles: &Roles<'_>,
     rows: &RowSelection,
     origin: DVec3,
@@ -104,7 +107,7 @@ pub(super) fn place(
 }
 
 /// New index of each row: rows that cannot be placed get `u32::MAX`, the others count on.
-pub(super) fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u32> {
+pub(in crate::load) fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u32> {
     let fields = [Some(roles.x), Some(roles.y), roles.z];
     let rows = RowSelection::All(row_count);
     let mut next = 0;

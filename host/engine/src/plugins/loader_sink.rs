@@ -1,0 +1,416 @@
+//! What the host lends a loader while it reads: where its columns go, and the job behind the call. No panic leaves here.
+
+use super::call::shorten;
+use abi_stable::sabi_trait::TD_Opaque;
+use abi_stable::sabi_types::RRef;
+use abi_stable::std_types::{ROption, RResult, RSlice, RStr, RString};
+use pointstage_plugin_api::abi::{
+    CallObject, CallObject_TO, CallRef, ColumnRole as BorderRole, ErrorCode, ErrorRecord,
+    ExtensionBox, LoadColumnRecord, LoadRowsRecord, LoadSinkObject, LoadSinkObject_TO, LoadSinkRef,
+    ScalarType as BorderScalar,
+};
+use pointstage_scene::{
+    ColumnRole, ColumnSpec, Job, ObjectBuilder, ScalarType, WarningKind, Warnings,
+};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
+
+/// Part of the job's progress that reading is; the rest is building columns and estimating what they lack.
+const READING: f32 = 0.35;
+/// Bytes of a warning's or a stage's text that are kept.
+const LONGEST_TEXT: usize = 400;
+/// Different warnings that are kept of one load.
+const MOST_WARNINGS: usize = 64;
+/// Surfels copied between two looks at the cancel flag take a few milliseconds: a plugin may hand over all at once.
+const ROWS_AT_ONCE: u64 = 1 << 18;
+
+/// Collects what a loader hands over.
+pub(super) struct Sink<'a> {
+    job: &'a Job,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    builder: Option<ObjectBuilder>,
+    /// Widths of the declared columns, bytes a surfel.
+    widths: Vec<usize>,
+    warnings: Warnings,
+    /// The first thing that the loader did wrong.
+    problem: Option<String>,
+}
+
+impl<'a> Sink<'a> {
+    pub(super) fn new(job: &'a Job) -> Self {
+        Self {
+            job,
+            state: Mutex::default(),
+        }
+    }
+
+    /// The plugin's view of it.
+    pub(super) fn border(&self) -> LoadSinkRef<'_> {
+        LoadSinkObject_TO::from_ptr(RRef::new(self), TD_Opaque)
+    }
+
+    /// What was handed over; or the first thing that the loader did wrong.
+    pub(super) fn into_builder(self) -> Result<ObjectBuilder, String> {
+        let state = self
+            .state
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(problem) = state.problem {
+            return Err(problem);
+        }
+        let mut builder = state
+            .builder
+            .ok_or_else(|| "it ended without declaring columns".to_owned())?;
+        for warning in state.warnings.iter() {
+            builder.warn(warning.kind.clone(), warning.count);
+        }
+        Ok(builder)
+    }
+
+    /// Runs `act` on the state; its error, or a panic of the host's own, is remembered and told.
+    fn change(
+        &self,
+        act: impl FnOnce(&mut State) -> Result<(), String>,
+    ) -> RResult<(), ErrorRecord> {
+        let fail = |code, message: &str| {
+            RResult::RErr(ErrorRecord {
+                code,
+                message: RString::from(message),
+                detail: RString::new(),
+            })
+        };
+        if self.job.is_cancelled() {
+            return fail(ErrorCode::CANCELLED, "cancelled");
+        }
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let outcome = catch_unwind(AssertUnwindSafe(|| act(&mut state))).unwrap_or_else(|_| {
+            tracing::error!("the host panicked while a loader handed over columns; this is a fault of Pointstage");
+            Err("the host panicked".to_owned())
+        });
+        match outcome {
+            Ok(()) if self.job.is_cancelled() => fail(ErrorCode::CANCELLED, "cancelled"),
+            Ok(()) => RResult::ROk(()),
+            Err(problem) => {
+                let answer = fail(ErrorCode::VALIDATION, &problem);
+                state.problem.get_or_insert(problem);
+                answer
+            }
+        }
+    }
+}
+
+impl State {
+    fn builder(&mut self) -> Result<&mut ObjectBuilder, String> {
+        let missing = || "it handed over data before it declared its columns".to_owned();
+        self.builder.as_mut().ok_or_else(missing)
+    }
+
+    fn add_rows(&mut self, rows: &LoadRowsRecord<'_>, job: &Job) -> Result<(), String> {
+        let columns: Vec<&[u8]> = rows.columns.iter().map(|bytes| bytes.as_slice()).collect();
+        let widths = self.widths.clone();
+        let builder = self.builder()?;
+        let whole = columns.len() == widths.len()
+            && columns.iter().zip(&widths).all(|(bytes, width)| {
+                Some(bytes.len() as u64) == rows.count.checked_mul(*width as u64)
+            });
+        if !whole {
+            // The builder says what is wrong.
+            let count = usize::try_from(rows.count).unwrap_or(usize::MAX);
+            return builder
+                .add_rows(count.min(1 << 40), &columns)
+                .map_err(|error| error.to_string());
+        }
+        let mut start = 0;
+        while start < rows.count && !job.is_cancelled() {
+            let end = rows.count.min(start + ROWS_AT_ONCE);
+            let mut parts: Vec<&[u8]> = Vec::with_capacity(columns.len());
+            for (bytes, width) in columns.iter().zip(&widths) {
+                parts.push(&bytes[start as usize * width..end as usize * width]);
+            }
+            builder
+                .add_rows((end - start) as usize, &parts)
+                .map_err(|error| error.to_string())?;
+            start = end;
+        }
+        Ok(())
+    }
+}
+
+impl LoadSinkObject for Sink<'_> {
+    fn columns(
+        &self,
+        columns: RSlice<'_, LoadColumnRecord<'_>>,
+        expected: u64,
+    ) -> RResult<(), ErrorRecord> {
+        self.change(|state| {
+            if state.builder.is_some() {
+                return Err("it declared its columns twice".to_owned());
+            }
+            let specs: Result<Vec<ColumnSpec>, String> = columns.iter().map(spec_of).collect();
+            let specs = specs?;
+            state.widths = specs
+                .iter()
+                .map(|spec| spec.scalar.size() * spec.components as usize)
+                .collect();
+            let mut builder = ObjectBuilder::new(specs).map_err(|error| error.to_string())?;
+            builder.reserve(expected);
+            state.builder = Some(builder);
+            Ok(())
+        })
+    }
+
+    fn rows(&self, rows: &LoadRowsRecord<'_>) -> RResult<(), ErrorRecord> {
+        self.change(|state| state.add_rows(rows, self.job))
+    }
+
+    fn polygons(
+        &self,
+        lengths: RSlice<'_, u32>,
+        corners: RSlice<'_, u32>,
+    ) -> RResult<(), ErrorRecord> {
+        self.change(|state| {
+            let builder = state.builder()?;
+            if !lengths.is_empty() {
+                return builder
+                    .add_polygons(lengths.as_slice(), corners.as_slice())
+                    .map_err(|error| error.to_string());
+            }
+            let (triangles, rest) = corners.as_slice().as_chunks::<3>();
+            if !rest.is_empty() {
+                return Err(format!("{} corners make no triangles", corners.len()));
+            }
+            builder.add_triangles(triangles);
+            Ok(())
+        })
+    }
+
+    fn warn(&self, text: RStr<'_>, count: u64) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = shorten(text.as_str(), LONGEST_TEXT);
+        let kind = WarningKind::Other(text.to_owned());
+        let is_known = state.warnings.count(&kind) > 0;
+        if is_known || state.warnings.iter().count() < MOST_WARNINGS {
+            state.warnings.add(kind, count);
+        }
+    }
+
+    fn extension(&self, _name: RStr<'_>) -> ROption<ExtensionBox> {
+        ROption::RNone
+    }
+}
+
+/// A border's column as the scene has it.
+fn spec_of(record: &LoadColumnRecord<'_>) -> Result<ColumnSpec, String> {
+    let name = record.name.as_str();
+    let role = match record.role {
+        BorderRole::NAMED => ColumnRole::Named,
+        BorderRole::POSITION => ColumnRole::Position,
+        BorderRole::NORMAL => ColumnRole::Normal,
+        BorderRole::COLOUR => ColumnRole::Colour,
+        BorderRole::RADIUS => ColumnRole::Radius,
+        BorderRole::AXES => ColumnRole::Axes,
+        other => {
+            return Err(format!(
+                "column '{name}' has the role {other:?}, which this program does not know"
+            ));
+        }
+    };
+    let scalar = match record.scalar {
+        BorderScalar::I8 => ScalarType::I8,
+        BorderScalar::U8 => ScalarType::U8,
+        BorderScalar::I16 => ScalarType::I16,
+        BorderScalar::U16 => ScalarType::U16,
+        BorderScalar::I32 => ScalarType::I32,
+        BorderScalar::U32 => ScalarType::U32,
+        BorderScalar::F32 => ScalarType::F32,
+        BorderScalar::F64 => ScalarType::F64,
+        other => {
+            return Err(format!(
+                "column '{name}' has the type {other:?}, which no column can have"
+            ));
+        }
+    };
+    Ok(ColumnSpec {
+        role,
+        name: name.to_owned(),
+        scalar,
+        components: record.components,
+    })
+}
+
+/// A scene's job as the call that a plugin sees.
+pub(super) struct JobCall<'a> {
+    job: &'a Job,
+}
+
+impl<'a> JobCall<'a> {
+    pub(super) fn new(job: &'a Job) -> Self {
+        Self { job }
+    }
+
+    /// The plugin's view of it.
+    pub(super) fn border(&self) -> CallRef<'_> {
+        CallObject_TO::from_ptr(RRef::new(self), TD_Opaque)
+    }
+}
+
+impl CallObject for JobCall<'_> {
+    fn should_stop(&self) -> u32 {
+        u32::from(self.job.is_cancelled())
+    }
+
+    fn progress(&self, fraction: f32, stage: RStr<'_>) {
+        self.job.set_progress(fraction.clamp(0.0, 1.0) * READING);
+        self.job
+            .set_stage(shorten(stage.as_str(), LONGEST_TEXT).to_owned());
+    }
+
+    fn extension(&self, _name: RStr<'_>) -> ROption<ExtensionBox> {
+        ROption::RNone
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pointstage_scene::{Estimation, LoadOptions};
+
+    const POSITION: LoadColumnRecord<'static> = LoadColumnRecord {
+        role: BorderRole::POSITION,
+        scalar: BorderScalar::F32,
+        components: 3,
+        name: RStr::empty(),
+    };
+
+    fn rows<'a>(count: u64, columns: &'a [RSlice<'a, u8>]) -> LoadRowsRecord<'a> {
+        LoadRowsRecord {
+            count,
+            columns: RSlice::from_slice(columns),
+        }
+    }
+
+    #[test]
+    fn columns_polygons_and_warnings_become_an_object() {
+        let job = Job::new();
+        let sink = Sink::new(&job);
+        let border = sink.border();
+        border.columns([POSITION][..].into(), 4).unwrap();
+        let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+        let bytes: Vec<u8> = positions
+            .iter()
+            .flat_map(|value| value.to_ne_bytes())
+            .collect();
+        border.rows(&rows(4, &[bytes.as_slice().into()])).unwrap();
+        border
+            .polygons([4][..].into(), [0, 1, 2, 3][..].into())
+            .unwrap();
+        border
+            .polygons([][..].into(), [0, 1, 2][..].into())
+            .unwrap();
+        border.warn("a strange record".into(), 2);
+        border.warn("a strange record".into(), 3);
+        drop(border);
+        let options = LoadOptions {
+            estimation: Estimation::FileOnly,
+            ..LoadOptions::default()
+        };
+        let contents = sink.into_builder().unwrap().finish(&options, &job).unwrap();
+        assert_eq!(contents.geometry.surfel_count, 4);
+        assert_eq!(contents.geometry.triangles.unwrap().len(), 3);
+        let kind = WarningKind::Other("a strange record".into());
+        assert_eq!(contents.warnings.count(&kind), 5);
+    }
+
+    #[test]
+    fn what_breaks_the_rules_is_refused_and_remembered() {
+        type Act<'t> = &'t dyn Fn(&LoadSinkRef<'_>);
+        let broken = |act: Act<'_>| {
+            let job = Job::new();
+            let sink = Sink::new(&job);
+            let border = sink.border();
+            act(&border);
+            drop(border);
+            sink.into_builder().expect_err("the rules were broken")
+        };
+        let short = [0_u8; 11];
+        let cases: [(Act<'_>, &str); 7] = [
+            (&|_: &LoadSinkRef<'_>| (), "without declaring"),
+            (
+                &|sink| drop(sink.rows(&rows(1, &[short[..].into()]))),
+                "before it declared",
+            ),
+            (
+                &|sink| {
+                    sink.columns([POSITION][..].into(), u64::MAX).unwrap();
+                    assert!(sink.rows(&rows(1, &[short[..].into()])).is_err());
+                    // Going on as if nothing had happened does not help.
+                    sink.rows(&rows(0, &[[][..].into()])).unwrap();
+                },
+                "take 12 bytes, got 11",
+            ),
+            (
+                &|sink| {
+                    sink.columns([POSITION][..].into(), 0).unwrap();
+                    drop(sink.rows(&rows(u64::MAX, &[short[..].into()])));
+                },
+                "more than",
+            ),
+            (
+                &|sink| {
+                    drop(
+                        sink.columns(
+                            [LoadColumnRecord {
+                                role: BorderRole(99),
+                                ..POSITION
+                            }][..]
+                                .into(),
+                            0,
+                        ),
+                    )
+                },
+                "does not know",
+            ),
+            (
+                &|sink| {
+                    drop(
+                        sink.columns(
+                            [LoadColumnRecord {
+                                scalar: BorderScalar::I64,
+                                ..POSITION
+                            }][..]
+                                .into(),
+                            0,
+                        ),
+                    )
+                },
+                "no column can have",
+            ),
+            (
+                &|sink| {
+                    sink.columns([POSITION][..].into(), 0).unwrap();
+                    drop(sink.polygons([][..].into(), [1, 2][..].into()));
+                },
+                "make no triangles",
+            ),
+        ];
+        for (act, part) in cases {
+            let problem = broken(act);
+            assert!(problem.contains(part), "{part}: {problem}");
+        }
+    }
+
+    #[test]
+    fn a_cancelled_load_answers_so_at_every_call() {
+        let job = Job::new();
+        let sink = Sink::new(&job);
+        job.cancel();
+        let call = JobCall::new(&job);
+        assert_eq!(call.border().should_stop(), 1);
+        let answer = sink.border().columns([POSITION][..].into(), 0);
+        assert_eq!(answer.unwrap_err().code, ErrorCode::CANCELLED);
+    }
+}

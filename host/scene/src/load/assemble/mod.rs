@@ -1,0 +1,171 @@
+//! Tables of vertices and corners of faces into an object's geometry; the same for every format.
+//!
+//! A reader makes [`Table`]s of what the file says of its vertices, and [`Corners`] of its faces. `roles` says what each
+//! scalar means; `build` makes columns (see `place` for positions and their origin); `faces` makes triangles of the corners
+//! (`polygon` cuts what has more than three); then [`estimate`](crate::estimate) adds what is missing.
+
+mod build;
+mod corners;
+mod faces;
+mod place;
+mod polygon;
+mod roles;
+mod table;
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+
+pub(in crate::load) use build::{Built, build};
+pub(in crate::load) use corners::{
+    CornerLists, Corners, FaceKind, MOST_VERTICES, Triangles, corner_from,
+};
+pub(in crate::load) use place::{MAX_COORDINATE, Placed, origin_for, usable};
+pub(in crate::load) use roles::{NamedRole, Roles};
+pub(in crate::load) use table::{ByteOrder, Field, Table, TableColumn, read_integer, write_native};
+
+use super::loader::Contents;
+use super::{Estimation, LoadOptions, Winding};
+use crate::estimate::{Neighbours, Orientation, Polygons, complete};
+use crate::geometry::{Block, Geometry};
+use crate::job::{Cancelled, Job};
+use crate::scene::Revision;
+use crate::warnings::{WarningKind, Warnings};
+use faces::{Faces, Vertices};
+
+/// Point sets up to this size are completed from neighbours while they load.
+const AUTOMATIC_SURFELS: usize = 2_000_000;
+
+/// Why no object came of tables and corners.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(in crate::load) enum AssembleError {
+    /// No vertex can be placed.
+    #[error(
+        "all {count} vertices have NaN or infinite coordinates, expected finite numbers; there is nothing to show, export the file again"
+    )]
+    NothingFinite {
+        /// How many there were.
+        count: u64,
+    },
+    /// The owner cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Adds to the columns what the faces say and what the file lacks; reports progress from 0.4 on.
+pub(in crate::load) fn finish(
+    built: Built,
+    row_count: usize,
+    faces: Vec<Corners>,
+    options: &LoadOptions,
+    job: &Job,
+    mut warnings: Warnings,
+) -> Result<Contents, AssembleError> {
+    let Built {
+        blocks,
+        origin,
+        bounds,
+        new_index,
+        origins,
+    } = built;
+    let surfel_count = blocks.iter().map(Block::len).sum();
+    let mut geometry = Geometry {
+        blocks,
+        triangles: None,
+        bounds,
+        surfel_count,
+        origins,
+        revision: Revision::next(),
+    };
+    job.set_progress(0.4);
+    let polygons = add_faces(
+        &mut geometry,
+        faces,
+        row_count,
+        new_index.as_deref(),
+        options,
+        job,
+        &mut warnings,
+    )?;
+    drop(new_index);
+    job.set_progress(0.5);
+    add_missing(
+        &mut geometry,
+        polygons.as_ref(),
+        options,
+        job,
+        &mut warnings,
+    )?;
+    geometry.touch();
+    job.set_progress(1.0);
+    Ok(Contents {
+        origin,
+        world_from_object: DAffine3::IDENTITY,
+        geometry,
+        warnings,
+    })
+}
+
+/// Adds the triangles; returns the polygons that they were cut from, if any had more corners.
+fn add_faces(
+    geometry: &mut Geometry,
+    faces: Vec<Corners>,
+    row_count: usize,
+    new_index: Option<&[u32]>,
+    options: &LoadOptions,
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<Option<Polygons>, Cancelled> {
+    let centre = |index: u32| geometry.centre(index as usize).unwrap_or(DVec3::NAN);
+    let vertices = Vertices {
+        row_count,
+        new_index,
+        centre: &centre,
+    };
+    let Some(Faces {
+        mut triangles,
+        mut polygons,
+    }) = faces::resolve(faces, &vertices, job, warnings)?
+    else {
+        return Ok(None);
+    };
+    if options.winding == Winding::Flipped {
+        for triangle in Arc::make_mut(&mut triangles) {
+            triangle.swap(1, 2);
+        }
+        if let Some(polygons) = &mut polygons {
+            polygons.flip();
+        }
+        warnings.add(WarningKind::Flipped, 1);
+    }
+    geometry.triangles = Some(triangles);
+    Ok(polygons)
+}
+
+/// Completes normals and radii as far as the options say, and looks which way the mesh is wound.
+pub(in crate::load) fn add_missing(
+    geometry: &mut Geometry,
+    polygons: Option<&Polygons>,
+    options: &LoadOptions,
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<(), Cancelled> {
+    let neighbours = match options.estimation {
+        Estimation::FileOnly => return Ok(()),
+        Estimation::Always => Neighbours::Use,
+        Estimation::Automatic if geometry.surfel_count <= AUTOMATIC_SURFELS => Neighbours::Use,
+        Estimation::Automatic | Estimation::Never => Neighbours::Leave,
+    };
+    let orientation = complete(
+        geometry,
+        polygons,
+        options.face_radius,
+        neighbours,
+        job,
+        warnings,
+    )?;
+    if orientation == Orientation::Inward {
+        warnings.add(WarningKind::WoundInward, 1);
+    }
+    Ok(())
+}

@@ -1,0 +1,469 @@
+//! An object from columns that a loader hands over in runs; what every loader but PLY's own uses.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::LoadOptions;
+use super::assemble::{
+    ByteOrder, CornerLists, Corners, FaceKind, Field, MOST_VERTICES, NamedRole, Roles, Table,
+    TableColumn, Triangles, build, finish,
+};
+use super::error::LoadStop;
+use super::loader::Contents;
+use crate::geometry::ScalarType;
+use crate::job::Job;
+use crate::warnings::{WarningKind, Warnings};
+
+/// What a column means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ColumnRole {
+    /// Only its name says.
+    Named,
+    /// x, y, z; or x and y, with z taken as 0. Any type: the object gets an origin that keeps f64 coordinates precise.
+    Position,
+    /// Three components; the length does not matter.
+    Normal,
+    /// Red, green, blue, perhaps alpha: sRGB as bytes, 16 bits, or floats from 0 to 1.
+    Colour,
+    /// One component, scene units.
+    Radius,
+    /// Tangent half-axes u and v, six components, scene units.
+    Axes,
+}
+
+impl ColumnRole {
+    /// How many components a column of this role has.
+    fn fits(self, components: u32) -> bool {
+        match self {
+            Self::Named => (1..=1024).contains(&components),
+            Self::Position => (2..=3).contains(&components),
+            Self::Normal => components == 3,
+            Self::Colour => (3..=4).contains(&components),
+            Self::Radius => components == 1,
+            Self::Axes => components == 6,
+        }
+    }
+}
+
+/// A column that is going to be filled.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColumnSpec {
+    /// What it means.
+    pub role: ColumnRole,
+    /// The file's name for it; of no meaning unless the role is [`ColumnRole::Named`].
+    pub name: String,
+    /// Type of a component.
+    pub scalar: ScalarType,
+    /// Components a surfel.
+    pub components: u32,
+}
+
+impl ColumnSpec {
+    /// A column whose role says all.
+    pub fn new(role: ColumnRole, scalar: ScalarType, components: u32) -> Self {
+        Self {
+            role,
+            name: String::new(),
+            scalar,
+            components,
+        }
+    }
+
+    /// A column kept under its name.
+    pub fn named(name: impl Into<String>, scalar: ScalarType, components: u32) -> Self {
+        Self {
+            name: name.into(),
+            ..Self::new(ColumnRole::Named, scalar, components)
+        }
+    }
+
+    /// Bytes of one surfel's values.
+    fn width(&self) -> usize {
+        self.scalar.size() * self.components as usize
+    }
+}
+
+/// A loader that does not keep to what it declared.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A column of a role has the wrong number of components.
+    #[error("a column of role {role:?} cannot have {components} components")]
+    Components {
+        /// Its role.
+        role: ColumnRole,
+        /// What was declared.
+        components: u32,
+    },
+    /// A role, or a name, is declared twice, or there is no position.
+    #[error("the columns need one position, and each other role and name at most once: {problem}")]
+    Columns {
+        /// Which one is wrong.
+        problem: String,
+    },
+    /// Rows without all columns, or with bytes that are not as long as they should be.
+    #[error("{rows} surfels of column {column} take {expected} bytes, got {found}")]
+    Length {
+        /// Surfels handed over.
+        rows: u64,
+        /// Number of the column, from 0; that of the first one that is missing.
+        column: usize,
+        /// Bytes that it should have.
+        expected: u64,
+        /// Bytes that it has.
+        found: u64,
+    },
+    /// The lengths of polygons do not add up to their corners.
+    #[error("polygons of {expected} corners in all came with {found} corners")]
+    Corners {
+        /// Sum of the lengths.
+        expected: u64,
+        /// Corners handed over.
+        found: u64,
+    },
+    /// More surfels than an index can name.
+    #[error("the file has more than {MOST_VERTICES} surfels; split it")]
+    TooMany,
+    /// There is nothing to show.
+    #[error("the file holds no points and no vertices; there is nothing to show")]
+    Nothing,
+}
+
+/// Collects columns and faces, checks their lengths, and makes an object of them.
+#[derive(Debug)]
+pub struct ObjectBuilder {
+    columns: Vec<(ColumnSpec, Vec<u8>)>,
+    rows: usize,
+    /// Lengths of the polygons; none while all are triangles.
+    lengths: Option<Vec<u32>>,
+    corners: Vec<u32>,
+    warnings: Warnings,
+}
+
+impl ObjectBuilder {
+    /// A builder of an object with these columns.
+    ///
+    /// # Errors
+    /// There is no position, something is declared twice, or a column cannot have so many components.
+    pub fn new(specs: Vec<ColumnSpec>) -> Result<Self, BuildError> {
+        let problem = |problem: String| Err(BuildError::Columns { problem });
+        for (index, spec) in specs.iter().enumerate() {
+            if !spec.role.fits(spec.components) {
+                return Err(BuildError::Components {
+                    role: spec.role,
+                    components: spec.components,
+                });
+            }
+            let same = |other: &ColumnSpec| {
+                other.role == spec.role
+                    && (spec.role != ColumnRole::Named || other.name == spec.name)
+            };
+            if specs[..index].iter().any(same) {
+                return problem(format!("{:?} '{}' is declared twice", spec.role, spec.name));
+            }
+        }
+        if !specs.iter().any(|spec| spec.role == ColumnRole::Position) {
+            return problem("there is no position".to_owned());
+        }
+        Ok(Self {
+            columns: specs.into_iter().map(|spec| (spec, Vec::new())).collect(),
+            rows: 0,
+            lengths: None,
+            corners: Vec::new(),
+            warnings: Warnings::new(),
+        })
+    }
+
+    /// Makes room for surfels that will come; a hint, of which no more is believed than a few million at once.
+    pub fn reserve(&mut self, rows: u64) {
+        const MOST: u64 = 1 << 24;
+        for (spec, bytes) in &mut self.columns {
+            bytes.reserve(rows.min(MOST) as usize * spec.width());
+        }
+    }
+
+    /// Surfels handed over so far.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds `rows` surfels: the bytes of each column in the order of their declaration, surfel by surfel, native byte order.
+    ///
+    /// # Errors
+    /// A column is missing or of another length, or there are too many surfels; nothing is added then.
+    pub fn add_rows(&mut self, rows: usize, columns: &[&[u8]]) -> Result<(), BuildError> {
+        let length = |column: usize, expected: usize, found: usize| BuildError::Length {
+            rows: rows as u64,
+            column,
+            expected: expected as u64,
+            found: found as u64,
+        };
+        if (self.rows as u64).saturating_add(rows as u64) > MOST_VERTICES {
+            return Err(BuildError::TooMany);
+        }
+        for (index, (spec, _)) in self.columns.iter().enumerate() {
+            let expected = rows * spec.width();
+            let found = columns.get(index).map_or(0, |bytes| bytes.len());
+            if found != expected {
+                return Err(length(index, expected, found));
+            }
+        }
+        if let Some(more) = columns.get(self.columns.len()) {
+            return Err(length(self.columns.len(), 0, more.len()));
+        }
+        for ((_, own), bytes) in self.columns.iter_mut().zip(columns) {
+            own.extend_from_slice(bytes);
+        }
+        self.rows += rows;
+        Ok(())
+    }
+
+    /// Adds triangles, of surfels counted from 0. What names none is dropped and counted in the end.
+    pub fn add_triangles(&mut self, triangles: &[[u32; 3]]) {
+        if let Some(lengths) = &mut self.lengths {
+            lengths.resize(lengths.len() + triangles.len(), 3);
+        }
+        self.corners.extend_from_slice(triangles.as_flattened());
+    }
+
+    /// Adds polygons: the corners of each, one after the other. They are cut into triangles in the end.
+    ///
+    /// # Errors
+    /// The lengths do not add up to the corners; nothing is added then.
+    pub fn add_polygons(&mut self, lengths: &[u32], corners: &[u32]) -> Result<(), BuildError> {
+        let expected: u64 = lengths.iter().map(|length| u64::from(*length)).sum();
+        if expected != corners.len() as u64 {
+            return Err(BuildError::Corners {
+                expected,
+                found: corners.len() as u64,
+            });
+        }
+        if self.lengths.is_none() && lengths.iter().any(|length| *length != 3) {
+            self.lengths = Some(vec![3; self.corners.len() / 3]);
+        }
+        if let Some(own) = &mut self.lengths {
+            own.extend_from_slice(lengths);
+        }
+        self.corners.extend_from_slice(corners);
+        Ok(())
+    }
+
+    /// Notes what was done, but not as asked.
+    pub fn warn(&mut self, kind: WarningKind, count: u64) {
+        self.warnings.add(kind, count);
+    }
+
+    /// Makes the object: chooses its origin, cuts polygons, completes normals and radii as far as `options` say. Reports
+    /// progress from 0.4 on.
+    ///
+    /// # Errors
+    /// There is nothing to show, or the job was cancelled.
+    pub fn finish(mut self, options: &LoadOptions, job: &Job) -> Result<Contents, LoadStop> {
+        if self.rows == 0 {
+            return Err(BuildError::Nothing.into());
+        }
+        job.set_stage("building columns");
+        let faces = self.take_faces();
+        let tables: Vec<(ColumnSpec, Table<'static>)> = self
+            .columns
+            .into_iter()
+            .map(|(spec, bytes)| {
+                let table = table_of(&spec, bytes, self.rows);
+                (spec, table)
+            })
+            .collect();
+        let roles = roles_of(&tables).ok_or(BuildError::Nothing)?;
+        let mut warnings = self.warnings;
+        let built = build(&roles, self.rows, options.winding, job, &mut warnings)?;
+        drop(roles);
+        drop(tables);
+        Ok(finish(built, self.rows, faces, options, job, warnings)?)
+    }
+
+    fn take_faces(&mut self) -> Vec<Corners> {
+        let corners = std::mem::take(&mut self.corners);
+        if corners.is_empty() {
+            return Vec::new();
+        }
+        let Some(lengths) = self.lengths.take() else {
+            let triangles: Arc<[[u32; 3]]> = corners.as_chunks::<3>().0.into();
+            let degenerate = triangles
+                .iter()
+                .filter(|[a, b, c]| a == b || b == c || a == c);
+            let triangles = Triangles {
+                max_corner: corners.iter().copied().max().unwrap_or_default(),
+                degenerate_count: degenerate.count() as u64,
+                corners: triangles,
+            };
+            return vec![Corners::Triangles(triangles)];
+        };
+        vec![Corners::Lists(CornerLists {
+            kind: FaceKind::Polygons,
+            lengths,
+            corners,
+            with_holes: 0,
+        })]
+    }
+}
+
+/// A column as a table of its own.
+fn table_of(spec: &ColumnSpec, bytes: Vec<u8>, rows: usize) -> Table<'static> {
+    let component = |index: u32| TableColumn {
+        name: spec.name.clone(),
+        scalar: spec.scalar,
+        offset: index as usize * spec.scalar.size(),
+    };
+    Table {
+        bytes: Cow::Owned(bytes),
+        stride: spec.width(),
+        rows,
+        order: ByteOrder::NATIVE,
+        columns: (0..spec.components).map(component).collect(),
+    }
+}
+
+/// The columns by meaning; `None` without a position, which a builder cannot lack.
+fn roles_of<'a>(tables: &'a [(ColumnSpec, Table<'static>)]) -> Option<Roles<'a>> {
+    let table = |role| {
+        let found = tables.iter().find(|(spec, _)| spec.role == role);
+        found.map(|(_, table)| table)
+    };
+    fn fields<'t, const N: usize>(table: &'t Table<'static>) -> [Field<'t>; N] {
+        std::array::from_fn(|index| table.field(index))
+    }
+    let position = table(ColumnRole::Position)?;
+    let colour = table(ColumnRole::Colour);
+    let named = tables
+        .iter()
+        .filter(|(spec, _)| spec.role == ColumnRole::Named)
+        .map(|(spec, table)| NamedRole {
+            name: spec.name.clone(),
+            scalar: spec.scalar,
+            fields: (0..table.columns.len())
+                .map(|index| table.field(index))
+                .collect(),
+        });
+    Some(Roles {
+        x: position.field(0),
+        y: position.field(1),
+        z: (position.columns.len() > 2).then(|| position.field(2)),
+        normal: table(ColumnRole::Normal).map(fields),
+        colour: colour.map(fields),
+        alpha: colour
+            .filter(|table| table.columns.len() > 3)
+            .map(|table| table.field(3)),
+        radius: table(ColumnRole::Radius).map(|table| table.field(0)),
+        axes: table(ColumnRole::Axes).map(fields),
+        named: named.collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::Estimation;
+    use bytemuck::cast_slice;
+
+    const POSITION: ColumnSpec = ColumnSpec {
+        role: ColumnRole::Position,
+        name: String::new(),
+        scalar: ScalarType::F64,
+        components: 3,
+    };
+
+    fn file_only() -> LoadOptions {
+        LoadOptions {
+            estimation: Estimation::FileOnly,
+            ..LoadOptions::default()
+        }
+    }
+
+    #[test]
+    fn columns_of_map_coordinates_keep_their_digits_and_their_types() {
+        let colour = ColumnSpec::new(ColumnRole::Colour, ScalarType::U16, 3);
+        let time = ColumnSpec::named("time", ScalarType::F64, 1);
+        let mut builder = ObjectBuilder::new(vec![POSITION, colour, time]).expect("sound columns");
+        for row in 0..4_u16 {
+            let at = 4_900_000.0 + f64::from(row) * 0.001;
+            let positions = [600_000.0, at, 1.0];
+            let colours = [row * 257, 0, 65535];
+            builder
+                .add_rows(
+                    1,
+                    &[
+                        cast_slice(&positions),
+                        cast_slice(&colours),
+                        cast_slice(&[at]),
+                    ],
+                )
+                .expect("of the right length");
+        }
+        let Contents {
+            origin, geometry, ..
+        } = builder
+            .finish(&file_only(), &Job::new())
+            .expect("an object");
+        let at = |row: usize| origin + geometry.blocks[0].centre(row).as_dvec3();
+        assert!((at(3).y - 4_900_000.003).abs() < 1e-9, "{}", at(3));
+        assert_eq!(
+            geometry.blocks[0].colour.as_deref().map(|colour| colour[2]),
+            Some(0xffff_0002)
+        );
+        assert_eq!(geometry.blocks[0].named[0].value(1, 0), Some(4_900_000.001));
+    }
+
+    #[test]
+    fn lengths_that_do_not_fit_are_refused_and_add_nothing() {
+        let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
+        for columns in [&[][..], &[&[0_u8; 23][..]], &[&[0_u8; 24][..], &[0][..]]] {
+            assert!(
+                matches!(builder.add_rows(1, columns), Err(BuildError::Length { .. })),
+                "{columns:?}"
+            );
+        }
+        assert!(builder.add_polygons(&[3, 4], &[0; 6]).is_err());
+        assert_eq!(builder.rows(), 0);
+        let error = builder
+            .finish(&file_only(), &Job::new())
+            .expect_err("nothing in it");
+        assert!(format!("{error:?}").contains("Nothing"), "{error:?}");
+        for specs in [
+            vec![],
+            vec![POSITION, POSITION],
+            vec![ColumnSpec {
+                components: 4,
+                ..POSITION
+            }],
+        ] {
+            assert!(ObjectBuilder::new(specs.clone()).is_err(), "{specs:?}");
+        }
+    }
+
+    #[test]
+    fn triangles_and_polygons_may_come_in_any_order() {
+        let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
+        let square = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ];
+        builder.add_rows(4, &[cast_slice(&square)]).expect("four");
+        builder.add_triangles(&[[0, 1, 2]]);
+        builder
+            .add_polygons(&[4, 3], &[0, 1, 2, 3, 0, 2, 9])
+            .expect("seven corners");
+        builder.add_triangles(&[[0, 2, 3]]);
+        let contents = builder
+            .finish(&file_only(), &Job::new())
+            .expect("an object");
+        let triangles = contents.geometry.triangles.expect("a mesh");
+        assert_eq!(*triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 2, 3]]);
+        assert_eq!(
+            contents
+                .warnings
+                .count(&WarningKind::FacesOutOfRangeDropped),
+            1
+        );
+    }
+}

@@ -1,0 +1,234 @@
+//! PLY files, binary and little-endian.
+
+use std::io::{self, Write};
+
+use glam::DAffine3;
+
+use super::columns::{Moved, Present, axes_of, bytes_of, normal_of};
+use crate::geometry::{Block, NamedColumn, ScalarType};
+use crate::scene::Object;
+use crate::warnings::{WarningKind, Warnings};
+
+/// Names that a reader of PLY takes for something else than a column of its own, by what has to be missing for that. A
+/// set is taken if it is there as a whole.
+const MEANINGS: [(Role, &[&str]); 11] = [
+    (Role::Normal, &["nx", "ny", "nz"]),
+    (Role::Normal, &["normal_x", "normal_y", "normal_z"]),
+    (Role::Colour, &["red", "green", "blue"]),
+    (
+        Role::Colour,
+        &["diffuse_red", "diffuse_green", "diffuse_blue"],
+    ),
+    (Role::Colour, &["r", "g", "b"]),
+    (Role::Radius, &["radius"]),
+    (Role::Radius, &["rad"]),
+    (Role::Radius, &["psz"]),
+    (Role::Radius, &["point_size"]),
+    (Role::Radius, &["pointsize"]),
+    (Role::Axes, &["ux", "uy", "uz", "vx", "vy", "vz"]),
+];
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Normal,
+    Colour,
+    Radius,
+    Axes,
+}
+
+/// Writes an object as a PLY file, where it stands in the scene: binary, little-endian, with all columns and triangles.
+///
+/// | column | properties |
+/// |---|---|
+/// | centre | `x` `y` `z`: floats, or doubles where the object has an origin or a transform |
+/// | normal | `nx` `ny` `nz`; zero where it is not known |
+/// | radius | `radius`, if any is known |
+/// | colour | `red` `green` `blue` `alpha` |
+/// | tangent half-axes | `ux` `uy` `uz` `vx` `vy` `vz` |
+/// | named | its name; several components as `NAME[0]`, `NAME[1]` … |
+///
+/// A transform that scales takes radii by the cube root of its determinant. A named column whose name would be taken for one
+/// of the others gets another name, with a warning.
+///
+/// # Errors
+/// `out` does not take it.
+pub fn write_ply(object: &Object, out: &mut impl Write) -> io::Result<Warnings> {
+    let geometry = &object.geometry;
+    let present = Present::of(geometry);
+    let mut warnings = Warnings::new();
+    let world_from_local = object.world_from_local();
+    let moved = (world_from_local != DAffine3::IDENTITY).then(|| Moved::new(world_from_local));
+    let names = names(&present, &mut warnings);
+    out.write_all(header(object, &present, &names, moved.is_some()).as_bytes())?;
+    let mut row = Vec::new();
+    for block in &geometry.blocks {
+        for surfel in 0..block.len() {
+            row.clear();
+            push_surfel(&mut row, block, surfel, &present, moved.as_ref());
+            out.write_all(&row)?;
+        }
+    }
+    let is_mirrored = moved.is_some_and(|moved| moved.mirror < 0.0);
+    for &[a, b, c] in geometry.triangles.iter().flat_map(|all| all.iter()) {
+        let [b, c] = if is_mirrored { [c, b] } else { [b, c] };
+        let mut face = [3; 13];
+        for (slot, corner) in face[1..].chunks_exact_mut(4).zip([a, b, c]) {
+            slot.copy_from_slice(&corner.to_le_bytes());
+        }
+        out.write_all(&face)?;
+    }
+    Ok(warnings)
+}
+
+fn header(object: &Object, present: &Present<'_>, names: &[String], is_moved: bool) -> String {
+    let geometry = &object.geometry;
+    let mut lines = vec![
+        "ply".to_owned(),
+        "format binary_little_endian 1.0".to_owned(),
+        "comment written by Pointstage".to_owned(),
+        format!("element vertex {}", geometry.surfel_count),
+    ];
+    let mut add = |kind: &str, names: &[&str]| {
+        lines.extend(names.iter().map(|name| format!("property {kind} {name}")));
+    };
+    add(if is_moved { "double" } else { "float" }, &["x", "y", "z"]);
+    if present.normals {
+        add("float", &["nx", "ny", "nz"]);
+    }
+    if present.radii {
+        add("float", &["radius"]);
+    }
+    if present.colours {
+        add("uchar", &["red", "green", "blue", "alpha"]);
+    }
+    if present.axes {
+        add("float", &["ux", "uy", "uz", "vx", "vy", "vz"]);
+    }
+    for (column, name) in present.named.iter().zip(names) {
+        let kind = type_name(column.scalar);
+        if column.components == 1 {
+            add(kind, &[name]);
+        } else {
+            for component in 0..column.components {
+                add(kind, &[&format!("{name}[{component}]")]);
+            }
+        }
+    }
+    if geometry.triangles.is_some() {
+        lines.push(format!("element face {}", geometry.triangle_count()));
+        // Most readers know no other type; only indices from 2³¹ on need it.
+        let kind = if i32::try_from(geometry.surfel_count).is_ok() {
+            "int"
+        } else {
+            "uint"
+        };
+        lines.push(format!("property list uchar {kind} vertex_indices"));
+    }
+    lines.push("end_header\n".to_owned());
+    lines.join("\n")
+}
+
+fn type_name(scalar: ScalarType) -> &'static str {
+    match scalar {
+        ScalarType::I8 => "char",
+        ScalarType::U8 => "uchar",
+        ScalarType::I16 => "short",
+        ScalarType::U16 => "ushort",
+        ScalarType::I32 => "int",
+        ScalarType::U32 => "uint",
+        ScalarType::F32 => "float",
+        ScalarType::F64 => "double",
+    }
+}
+
+/// The names under which the named columns are written.
+fn names(present: &Present<'_>, warnings: &mut Warnings) -> Vec<String> {
+    let is_missing = |role: Role| match role {
+        Role::Normal => !present.normals,
+        Role::Colour => !present.colours,
+        Role::Radius => !present.radii,
+        Role::Axes => !present.axes,
+    };
+    let is_there = |name: &str| {
+        present
+            .named
+            .iter()
+            .any(|column| column.components == 1 && column.name.eq_ignore_ascii_case(name))
+    };
+    let is_taken = |column: &NamedColumn| {
+        column.components == 1
+            && MEANINGS.iter().any(|(role, set)| {
+                is_missing(*role)
+                    && set
+                        .iter()
+                        .any(|name| column.name.eq_ignore_ascii_case(name))
+                    && set.iter().all(|name| is_there(name))
+            })
+    };
+    let name = |column: &NamedColumn| {
+        let word = |c: char| if c.is_ascii_graphic() { c } else { '_' };
+        let mut name: String = column.name.chars().map(word).collect();
+        if name.is_empty() || is_taken(column) {
+            name.insert_str(0, "named_");
+        }
+        if *name != *column.name {
+            let text = format!("column '{}' is saved as '{name}'", column.name);
+            warnings.add(WarningKind::Other(text), 1);
+        }
+        name
+    };
+    present.named.iter().map(name).collect()
+}
+
+fn push_surfel(
+    row: &mut Vec<u8>,
+    block: &Block,
+    surfel: usize,
+    present: &Present<'_>,
+    moved: Option<&Moved>,
+) {
+    let [x, y, z, radius] = block.position_radius[surfel];
+    let normal = normal_of(block, surfel);
+    let axes = axes_of(block, surfel);
+    let (normal, axes, radius) = match moved {
+        None => {
+            push_floats(row, &[x, y, z]);
+            (normal, axes, radius)
+        }
+        Some(moved) => {
+            let position = moved.position(block.centre(surfel).as_dvec3());
+            for value in position.to_array() {
+                row.extend(value.to_le_bytes());
+            }
+            (moved.normal(normal), moved.axes(axes), moved.radius(radius))
+        }
+    };
+    if present.normals {
+        push_floats(row, &normal.to_array());
+    }
+    if present.radii {
+        push_floats(row, &[radius]);
+    }
+    if present.colours {
+        let colours = block.colour.as_ref().map(|colours| colours[surfel]);
+        row.extend(colours.unwrap_or(u32::MAX).to_le_bytes());
+    }
+    if present.axes {
+        push_floats(row, axes.map(|axis| axis.to_array()).as_flattened());
+    }
+    for column in &block.named {
+        let start = row.len();
+        row.extend(bytes_of(column, surfel));
+        if cfg!(target_endian = "big") {
+            row[start..]
+                .chunks_exact_mut(column.scalar.size())
+                .for_each(<[u8]>::reverse);
+        }
+    }
+}
+
+fn push_floats(row: &mut Vec<u8>, values: &[f32]) {
+    for value in values {
+        row.extend(value.to_le_bytes());
+    }
+}

@@ -1,0 +1,127 @@
+//! Files into columns: what a loader is asked, what it is lent, and where it puts what it reads. Since 1.1.
+
+use super::objects::{CallRef, ExtensionBox, HostRef};
+use super::scene::ScalarType;
+use super::values::{ErrorRecord, SettingRecord, open_number};
+use abi_stable::sabi_types::RRef;
+use abi_stable::std_types::{RBox, ROption, RResult, RSlice, RStr};
+use abi_stable::{StableAbi, sabi_trait};
+
+open_number! {
+    /// How sure a loader is that a file is its own, by its content. More is surer.
+    ClaimLevel(u32) {
+        /// The content contradicts.
+        NO = 0,
+        /// The content neither says so nor contradicts; the extension decides.
+        POSSIBLE = 1,
+        /// It looks like it.
+        LIKELY = 2,
+        /// It has the format's signature.
+        CERTAIN = 3,
+    }
+}
+
+open_number! {
+    /// What a column means.
+    ColumnRole(u32) {
+        /// Only its name says.
+        NAMED = 0,
+        /// x, y, z, or x and y; scene units, any scalar.
+        POSITION = 1,
+        /// Three components of any length above 0.
+        NORMAL = 2,
+        /// Red, green, blue, perhaps alpha: sRGB in U8, U16, or floats from 0 to 1.
+        COLOUR = 3,
+        /// One component, scene units.
+        RADIUS = 4,
+        /// Tangent half-axes u and v, six components, scene units.
+        AXES = 5,
+    }
+}
+
+/// A file's start, before it is loaded.
+#[repr(C)]
+#[derive(StableAbi, Clone, Copy, Debug)]
+pub struct FileStartRecord<'a> {
+    /// The first 4,096 bytes, or all if there are fewer.
+    pub bytes: RSlice<'a, u8>,
+    /// Name without folder.
+    pub name: RStr<'a>,
+    /// Length of the whole file, bytes.
+    pub length: u64,
+}
+
+/// A column that a loader is going to fill.
+#[repr(C)]
+#[derive(StableAbi, Clone, Copy, Debug)]
+pub struct LoadColumnRecord<'a> {
+    pub role: ColumnRole,
+    /// Not I64 or U64.
+    pub scalar: ScalarType,
+    /// Scalars per surfel.
+    pub components: u32,
+    /// The file's name for it; of no meaning unless the role is NAMED.
+    pub name: RStr<'a>,
+}
+
+/// A run of surfels.
+#[repr(C)]
+#[derive(StableAbi, Clone, Copy, Debug)]
+pub struct LoadRowsRecord<'a> {
+    pub count: u64,
+    /// The bytes of each declared column, in that order; native byte order, surfel by surfel. Any alignment.
+    pub columns: RSlice<'a, RSlice<'a, u8>>,
+}
+
+/// Where a loader puts what it reads; the host checks every length. Thread: any, while the call lasts.
+#[sabi_trait]
+pub trait LoadSinkObject: Send + Sync {
+    /// Declares the columns, once and first. `expected` surfels will come, as far as is known; 0 if it is not.
+    fn columns(
+        &self,
+        columns: RSlice<'_, LoadColumnRecord<'_>>,
+        expected: u64,
+    ) -> RResult<(), ErrorRecord>;
+    /// Adds surfels. CANCELLED once the call was cancelled.
+    fn rows(&self, rows: &LoadRowsRecord<'_>) -> RResult<(), ErrorRecord>;
+    /// Adds polygons of surfels, which are counted from 0 over all rows: the length of each, and all their corners. Without
+    /// lengths all are triangles. CANCELLED once the call was cancelled.
+    fn polygons(
+        &self,
+        lengths: RSlice<'_, u32>,
+        corners: RSlice<'_, u32>,
+    ) -> RResult<(), ErrorRecord>;
+    /// Notes what was done, but not as asked; equal texts are one warning with the sum of their counts.
+    fn warn(&self, text: RStr<'_>, count: u64);
+    #[sabi(last_prefix_field)]
+    fn extension(&self, name: RStr<'_>) -> ROption<ExtensionBox>;
+}
+pub type LoadSinkRef<'a> = LoadSinkObject_TO<'a, RRef<'a, ()>>;
+
+/// What `load` is given.
+#[repr(C)]
+#[derive(StableAbi)]
+pub struct LoadRecord<'a> {
+    pub host: HostRef,
+    /// Where the file is, for files beside it that it names.
+    pub path: RStr<'a>,
+    /// The whole file, mapped: its bytes may change under the reader, their number does not.
+    pub bytes: RSlice<'a, u8>,
+    pub settings: RSlice<'a, SettingRecord<'a>>,
+    pub sink: LoadSinkRef<'a>,
+    pub call: CallRef<'a>,
+}
+
+/// A loader of one file format.
+#[sabi_trait]
+pub trait LoaderObject: Send + Sync {
+    /// Thread: any. Cheap: asked about every file that is opened.
+    fn claims(&self, start: &FileStartRecord<'_>) -> RResult<ClaimLevel, ErrorRecord>;
+    /// Thread: worker. Cancellable.
+    fn load(&self, call: &LoadRecord<'_>) -> RResult<(), ErrorRecord>;
+    #[sabi(last_prefix_field)]
+    fn extension(&self, _name: RStr<'_>) -> ROption<ExtensionBox> {
+        ROption::RNone
+    }
+}
+pub type LoaderBox = LoaderObject_TO<'static, RBox<()>>;

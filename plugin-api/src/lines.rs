@@ -1,0 +1,138 @@
+//! Lines, words and numbers of text files, for loaders.
+
+/// The lines of a text file, with their numbers; they end in LF, CR LF or CR.
+#[derive(Clone, Debug)]
+pub struct Lines<'a> {
+    text: &'a [u8],
+    position: usize,
+    number: u64,
+}
+
+/// One line of a text file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line<'a> {
+    /// From 1, as editors count.
+    pub number: u64,
+    /// Without its end.
+    pub text: &'a [u8],
+}
+
+impl<'a> Lines<'a> {
+    /// The lines of `text`.
+    pub fn new(text: &'a [u8]) -> Self {
+        Self {
+            text,
+            position: 0,
+            number: 0,
+        }
+    }
+
+    /// Byte where the next line begins.
+    pub fn position(&self) -> usize {
+        self.position
+    }
+
+    /// Part of the file that has been read, 0 to 1.
+    pub fn fraction(&self) -> f32 {
+        (self.position as f64 / self.text.len().max(1) as f64) as f32
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = Line<'a>;
+
+    fn next(&mut self) -> Option<Line<'a>> {
+        let rest = self.text.get(self.position..)?;
+        if rest.is_empty() {
+            return None;
+        }
+        self.number += 1;
+        let length = rest
+            .iter()
+            .position(|byte| matches!(byte, b'\n' | b'\r'))
+            .unwrap_or(rest.len());
+        let (text, end) = rest.split_at(length);
+        let end = match end {
+            [b'\r', b'\n', ..] => 2,
+            [_, ..] => 1,
+            [] => 0,
+        };
+        self.position += length + end;
+        Some(Line {
+            number: self.number,
+            text,
+        })
+    }
+}
+
+impl<'a> Line<'a> {
+    /// What stands between spaces and tabs.
+    pub fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        self.text
+            .split(|byte| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c))
+            .filter(|word| !word.is_empty())
+    }
+
+    /// The line for a message: at most 40 bytes, escaped.
+    pub fn excerpt(&self) -> String {
+        excerpt(self.text)
+    }
+}
+
+/// The number that a word is, if it is one: `1`, `-2.5e3`, `+.5`, `nan`, `inf`.
+pub fn number(word: &[u8]) -> Option<f64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// The whole number that a word is, if it is one.
+pub fn integer(word: &[u8]) -> Option<i64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// Bytes of a file for a message: at most 40, escaped.
+pub fn excerpt(bytes: &[u8]) -> String {
+    const MOST: usize = 40;
+    let shown = bytes[..bytes.len().min(MOST)].escape_ascii().to_string();
+    if bytes.len() > MOST {
+        shown + "…"
+    } else {
+        shown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_in_any_of_the_three_ways_and_are_counted() {
+        let mut lines = Lines::new(b"a b\r\nc\rd\n\nlast");
+        let read: Vec<(u64, &[u8])> = lines
+            .by_ref()
+            .map(|line| (line.number, line.text))
+            .collect();
+        let expected: [(u64, &[u8]); 5] =
+            [(1, b"a b"), (2, b"c"), (3, b"d"), (4, b""), (5, b"last")];
+        assert_eq!(read, expected);
+        assert_eq!((lines.position(), lines.fraction()), (15, 1.0));
+        assert_eq!(Lines::new(b"").next(), None);
+    }
+
+    #[test]
+    fn words_are_apart_by_any_space() {
+        let line = Lines::new(b"  1\t-2.5e3   nan x ")
+            .next()
+            .expect("one line");
+        let words: Vec<&[u8]> = line.words().collect();
+        assert_eq!(words.len(), 4);
+        assert_eq!(
+            (number(words[0]), number(words[1]), number(words[3])),
+            (Some(1.0), Some(-2500.0), None)
+        );
+        assert!(number(words[2]).is_some_and(f64::is_nan));
+        assert_eq!(
+            (integer(b"-7"), integer(b"7.0"), integer(b"\xff")),
+            (Some(-7), None, None)
+        );
+    }
+}

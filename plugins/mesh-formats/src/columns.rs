@@ -1,0 +1,68 @@
+//! A mesh in memory, handed over to the host in runs.
+
+use pointstage_plugin_api::abi::ScalarType;
+use pointstage_plugin_api::loading::{Column, Output, bytes_of};
+use pointstage_plugin_api::{ColumnRole, Progress, Result};
+
+/// Surfels handed over at once: a few milliseconds between two looks at the cancel flag.
+const RUN: usize = 1 << 16;
+
+/// Colours that are given as floats.
+const RGB_F32: Column<'static> = Column::of(ColumnRole::COLOUR, ScalarType::F32, 3);
+/// Texture coordinates, for which there is no column of the host's own.
+const UV: Column<'static> = Column::named("uv", ScalarType::F32, 2);
+
+/// Vertices and polygons. A column that is empty is not handed over; any other has a value for each vertex.
+#[derive(Debug, Default)]
+pub(crate) struct Mesh {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
+    pub(crate) colours: Vec<[f32; 3]>,
+    pub(crate) uvs: Vec<[f32; 2]>,
+    /// Length of each polygon.
+    pub(crate) lengths: Vec<u32>,
+    /// Corners of all polygons.
+    pub(crate) corners: Vec<u32>,
+}
+
+impl Mesh {
+    /// Hands everything over.
+    pub(crate) fn write(&self, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<()> {
+        let count = self.positions.len();
+        let columns: [(Column<'_>, bool); 4] = [
+            (Column::POSITION_F64, true),
+            (Column::NORMAL_F32, !self.normals.is_empty()),
+            (RGB_F32, !self.colours.is_empty()),
+            (UV, !self.uvs.is_empty()),
+        ];
+        let declared: Vec<Column<'_>> = columns
+            .iter()
+            .filter(|(_, is_there)| *is_there)
+            .map(|(column, _)| *column)
+            .collect();
+        out.columns(&declared, count as u64)?;
+        for start in (0..count).step_by(RUN) {
+            progress.check()?;
+            let range = start..count.min(start + RUN);
+            let mut run: Vec<&[u8]> = vec![bytes_of(&self.positions[range.clone()])];
+            if !self.normals.is_empty() {
+                run.push(bytes_of(&self.normals[range.clone()]));
+            }
+            if !self.colours.is_empty() {
+                run.push(bytes_of(&self.colours[range.clone()]));
+            }
+            if !self.uvs.is_empty() {
+                run.push(bytes_of(&self.uvs[range.clone()]));
+            }
+            out.rows(range.len(), &run)?;
+        }
+        let mut rest = self.corners.as_slice();
+        for lengths in self.lengths.chunks(RUN) {
+            let corner_count: usize = lengths.iter().map(|length| *length as usize).sum();
+            let (corners, others) = rest.split_at(corner_count.min(rest.len()));
+            rest = others;
+            out.polygons(lengths, corners)?;
+        }
+        Ok(())
+    }
+}

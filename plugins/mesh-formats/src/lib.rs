@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod columns;
+mod gltf_scene;
+mod mtl;
+mod obj;
+mod off;
+mod stl;
+
+pub use gltf_scene::GltfLoader;
+pub use obj::ObjLoader;
+pub use off::OffLoader;
+pub use stl::StlLoader;
+
+pointstage_plugin_api::export! {
+    "plugin.json",
+    loaders: [ObjLoader, StlLoader, OffLoader, GltfLoader]
+}

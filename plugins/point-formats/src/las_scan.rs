@@ -1,0 +1,190 @@
+//! LAS, its compressed form LAZ, and COPC, which is a LAZ file with an index that is not needed to read all of it.
+
+use std::io::Cursor;
+use std::sync::Arc;
+
+use las::{PointData, Reader};
+use pointstage_plugin_api::abi::ScalarType;
+use pointstage_plugin_api::loading::{
+    Claim, Column, FileStart, Loader, Output, SourceFile, bytes_of,
+};
+use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
+
+/// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
+const POINTS_A_PIECE: u64 = 200_000;
+
+/// The loader of LAS and LAZ files.
+pub struct LasLoader;
+
+impl Loader for LasLoader {
+    fn claims(start: &FileStart<'_>) -> Claim {
+        if start.bytes.starts_with(b"LASF") {
+            Claim::Certain
+        } else {
+            Claim::No
+        }
+    }
+
+    fn load(
+        _host: &Host,
+        file: &SourceFile<'_>,
+        _settings: Settings<'_>,
+        out: &mut Output<'_>,
+        progress: &Progress<'_>,
+    ) -> Result<()> {
+        progress.set(0.0, "reading points");
+        // The library keeps what it reads from for as long as it likes, which borrowed bytes do not allow: a copy, which is
+        // the compressed file.
+        let bytes: Arc<[u8]> = file.bytes.into();
+        let mut reader = Reader::new(Cursor::new(bytes)).map_err(|error| {
+            Error::failed(format!(
+                "the header cannot be read: {error}; the file is damaged, copy it again"
+            ))
+        })?;
+        let header = reader.header();
+        let (expected, format) = (header.number_of_points(), *header.point_format());
+        if expected == 0 {
+            return Err(Error::failed(
+                "the file has 0 points; there is nothing to show",
+            ));
+        }
+        let mut pieces: Vec<PointData> = Vec::new();
+        let mut read = 0;
+        let mut largest_colour = 0;
+        while read < expected {
+            progress.check()?;
+            progress.set(
+                (0.8 * read as f64 / expected as f64) as f32,
+                "reading points",
+            );
+            let piece = reader.read_points(POINTS_A_PIECE).map_err(|error| {
+                Error::failed(format!(
+                    "expected {expected} points, but behind point {read} comes what cannot be read: {error}; the file is damaged or truncated, copy it again"
+                ))
+            })?;
+            if piece.is_empty() {
+                return Err(Error::failed(format!(
+                    "expected {expected} points, found {read}; the file is truncated, copy it again"
+                )));
+            }
+            read += piece.len() as u64;
+            let colours = piece.rgb().into_iter().flatten();
+            largest_colour = colours.fold(largest_colour, |most, (red, green, blue)| {
+                most.max(red).max(green).max(blue)
+            });
+            pieces.push(piece);
+        }
+        let plan = Plan {
+            colours: match largest_colour {
+                0 => Colours::None,
+                // Some programs keep bytes where 16 bits are due.
+                1..=255 => Colours::Bytes,
+                _ => Colours::Words,
+            },
+            has_time: format.has_gps_time,
+            has_infrared: format.has_nir,
+        };
+        if format.has_color && largest_colour == 0 {
+            out.warn(
+                "the file has colours, but all are black: they are left out",
+                1,
+            );
+        }
+        if format.extra_bytes > 0 {
+            out.warn(
+                &format!("{} extra bytes a point, of which the format does not say the meaning, are left out", format.extra_bytes),
+                1,
+            );
+        }
+        plan.declare(out, expected)?;
+        for (index, piece) in pieces.drain(..).enumerate() {
+            progress.check()?;
+            let done = index as f64 * POINTS_A_PIECE as f64 / expected as f64;
+            progress.set((0.8 + 0.2 * done) as f32, "building columns");
+            plan.write(out, &piece)?;
+        }
+        Ok(())
+    }
+}
+
+/// How colours are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Colours {
+    None,
+    Bytes,
+    Words,
+}
+
+/// The columns that the file has.
+struct Plan {
+    colours: Colours,
+    has_time: bool,
+    has_infrared: bool,
+}
+
+impl Plan {
+    fn declare(&self, out: &mut Output<'_>, expected: u64) -> Result<()> {
+        let mut columns = vec![
+            Column::POSITION_F64,
+            Column::named("intensity", ScalarType::U16, 1),
+            Column::named("classification", ScalarType::U8, 1),
+            Column::named("return_number", ScalarType::U8, 1),
+        ];
+        match self.colours {
+            Colours::None => {}
+            Colours::Bytes => columns.push(Column::RGB_U8),
+            Colours::Words => columns.push(Column::RGB_U16),
+        }
+        if self.has_time {
+            columns.push(Column::named("gps_time", ScalarType::F64, 1));
+        }
+        if self.has_infrared {
+            columns.push(Column::named("near_infrared", ScalarType::U16, 1));
+        }
+        out.columns(&columns, expected)
+    }
+
+    fn write(&self, out: &mut Output<'_>, points: &PointData) -> Result<()> {
+        let axes = points.x().zip(points.y()).zip(points.z());
+        let positions: Vec<[f64; 3]> = axes.map(|((x, y), z)| [x, y, z]).collect();
+        let intensities: Vec<u16> = points.intensity().collect();
+        let classes: Vec<u8> = points.classification().collect();
+        let returns: Vec<u8> = points.return_number().collect();
+        let words: Vec<[u16; 3]> = match self.colours {
+            Colours::None => Vec::new(),
+            Colours::Bytes | Colours::Words => {
+                let colours = points.rgb().into_iter().flatten();
+                colours
+                    .map(|(red, green, blue)| [red, green, blue])
+                    .collect()
+            }
+        };
+        let bytes: Vec<[u8; 3]> = match self.colours {
+            Colours::Bytes => words
+                .iter()
+                .map(|colour| colour.map(|value| value as u8))
+                .collect(),
+            Colours::None | Colours::Words => Vec::new(),
+        };
+        let times: Vec<f64> = points.gps_time().into_iter().flatten().collect();
+        let infrared: Vec<u16> = points.nir().into_iter().flatten().collect();
+        let mut columns = vec![
+            bytes_of(&positions),
+            bytes_of(&intensities),
+            bytes_of(&classes),
+            bytes_of(&returns),
+        ];
+        match self.colours {
+            Colours::None => {}
+            Colours::Bytes => columns.push(bytes_of(&bytes)),
+            Colours::Words => columns.push(bytes_of(&words)),
+        }
+        if self.has_time {
+            columns.push(bytes_of(&times));
+        }
+        if self.has_infrared {
+            columns.push(bytes_of(&infrared));
+        }
+        out.rows(points.len(), &columns)
+    }
+}

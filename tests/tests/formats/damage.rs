@@ -1,0 +1,149 @@
+//! Files that end too early, or whose bytes are wrong: an error, or a part with a warning, never a panic.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use pointstage_scene::{Estimation, Job, LoadError, LoadOptions, LoaderChoice, Loaders, load_with};
+use pointstage_tests::data::shared;
+use pointstage_tests::loaders::first_party;
+
+use crate::small;
+
+/// Parts of its length at which a file is cut off.
+const CUTS: usize = 200;
+
+fn options(loader: &str) -> LoadOptions {
+    LoadOptions {
+        loader: Some(LoaderChoice {
+            loader: loader.to_owned(),
+            ..LoaderChoice::default()
+        }),
+        estimation: Estimation::FileOnly,
+        ..LoadOptions::default()
+    }
+}
+
+/// Loads `content` with the loader of its whole form; the message of an error.
+fn outcome(loaders: &Loaders, path: &PathBuf, content: &[u8], loader: &str) -> Result<(), String> {
+    std::fs::write(path, content).expect("the folder takes files");
+    let loaded = load_with(loaders, path, &options(loader), &Job::new());
+    loaded.map(|_| ()).map_err(|error| error.to_string())
+}
+
+/// Cuts a file at every part of its length. Returns how many cuts gave an error.
+fn cut(loaders: &Loaders, name: &str, content: &[u8]) -> Result<usize> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join(name);
+    std::fs::write(&path, content)?;
+    let whole = load_with(loaders, &path, &LoadOptions::default(), &Job::new());
+    let loader = whole.with_context(|| name.to_owned())?.loader.id;
+    let mut errors = 0;
+    for part in 0..CUTS {
+        let length = content.len() * part / CUTS;
+        if let Err(error) = outcome(loaders, &path, &content[..length], &loader) {
+            assert!(
+                !error.contains("panicked"),
+                "{name} cut at {length}: {error}"
+            );
+            errors += 1;
+        }
+    }
+    Ok(errors)
+}
+
+#[test]
+fn small_files_cut_anywhere_are_errors_or_parts() -> Result<()> {
+    let loaders = first_party()?;
+    for (name, content) in small::all() {
+        let errors = cut(&loaders, name, &content)?;
+        let is_text = [".obj", ".csv", ".pts"]
+            .iter()
+            .any(|ending| name.ends_with(ending));
+        // Text without counts may end at any line.
+        let least = if is_text { 1 } else { CUTS * 9 / 10 };
+        assert!(errors >= least, "{name}: {errors} errors of {CUTS}");
+    }
+    Ok(())
+}
+
+#[test]
+fn real_files_cut_anywhere_are_errors() -> Result<()> {
+    let loaders = first_party()?;
+    for name in [
+        "lone-star.copc.laz",
+        "vol_total_rgb_499k.laz",
+        "bunnyDouble.e57",
+        "tiny_spherical.e57",
+    ] {
+        let Some(path) = shared(&format!("points/{name}")) else {
+            return Ok(());
+        };
+        let errors = cut(&loaders, name, &std::fs::read(path)?)?;
+        assert!(errors >= CUTS - 2, "{name}: {errors} errors of {CUTS}");
+    }
+    Ok(())
+}
+
+#[test]
+fn small_files_with_any_byte_wrong_do_not_panic() -> Result<()> {
+    let loaders = first_party()?;
+    let folder = tempfile::tempdir()?;
+    for (name, content) in small::all() {
+        let path = folder.path().join(name);
+        std::fs::write(&path, &content)?;
+        let loader = load_with(&loaders, &path, &LoadOptions::default(), &Job::new())?
+            .loader
+            .id;
+        for at in 0..content.len() {
+            for wrong in [0, b'9', 0x7f, 0xff] {
+                let mut content = content.clone();
+                content[at] = wrong;
+                if let Err(error) = outcome(&loaders, &path, &content, &loader) {
+                    assert!(
+                        !error.contains("panicked"),
+                        "{name}, byte {at} as {wrong}: {error}"
+                    );
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_cancel_ends_a_load_soon() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("long.xyz");
+    // Some seconds of reading in a build for debugging.
+    let text: String = (0..40_000)
+        .map(|row| format!("{row}.25 {} 7.125 {row}\n", row % 77))
+        .collect();
+    std::fs::write(&path, text.repeat(60))?;
+    let job = Job::new();
+    let worker = {
+        let (job, path, loaders) = (job.clone(), path.clone(), first_party()?);
+        std::thread::spawn(move || load_with(&loaders, &path, &options("xyz"), &job))
+    };
+    let began = Instant::now();
+    while job.progress() == 0.0 && !worker.is_finished() && began.elapsed() < Duration::from_mins(1)
+    {
+        std::thread::yield_now();
+    }
+    assert!(
+        job.progress() > 0.0 && job.progress() < 0.4,
+        "progress {}",
+        job.progress()
+    );
+    job.cancel();
+    let cancelled = Instant::now();
+    let result = worker.join().expect("no panic");
+    assert!(matches!(result, Err(LoadError::Cancelled(_))), "{result:?}");
+    // 200 ms are promised; this machine may be busy.
+    assert!(
+        cancelled.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        cancelled.elapsed()
+    );
+    Ok(())
+}

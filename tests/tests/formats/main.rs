@@ -1,0 +1,11 @@
+//! Do files of other formats than PLY open, through loaders that are plugins, with what is in them?
+//!
+//! Small files are made up here; the shared test data folder has real ones, with facts that other programs found.
+
+mod border;
+mod choice;
+mod damage;
+mod meshes;
+mod points;
+mod shared_points;
+mod small;
