@@ -23,7 +23,7 @@ fn middle_of(state: &State, index: usize) -> Option<(i16, i16)> {
 
 impl Desk {
     /// Shows so many views, and the tab about them.
-    fn show_views(&mut self, count: usize) -> Result<()> {
+    pub(super) fn show_views(&mut self, count: usize) -> Result<()> {
         self.window.click_on("Tab", "Compare")?;
         self.window.click_on("Button", &format!("{count} views"))?;
         self.window.settle("the views", |state| {
@@ -33,8 +33,16 @@ impl Desk {
     }
 
     /// Draws a view with the renderer of this title.
-    fn choose_in_view(&mut self, number: usize, title: &str, id: &str) -> Result<()> {
+    pub(super) fn choose_in_view(&mut self, number: usize, title: &str, id: &str) -> Result<()> {
         let combo = format!("Renderer of view {number}");
+        let is_there = self.window.wait_for_state("the views", |state| {
+            of_views(state, "renderer")
+                .get(number - 1)
+                .map(|chosen| chosen == id)
+        })?;
+        if is_there {
+            return Ok(());
+        }
         self.window.click_on("ComboBox", &combo)?;
         self.window.click_on("Button", title)?;
         self.window.settle("the view's renderer", |state| {

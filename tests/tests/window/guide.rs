@@ -33,6 +33,7 @@ fn each_step_of_the_guide_leads_where_it_says() -> Result<()> {
     views(&mut desk)?;
     targets(&mut desk)?;
     dialogs(&mut desk)?;
+    side_by_side(&mut desk)?;
     desk.close()
 }
 
@@ -95,6 +96,41 @@ fn renderer(desk: &mut Desk) -> Result<()> {
     })?;
     rest(desk, "the turned snake", |_| true)?;
     picture(desk, "window")
+}
+
+fn side_by_side(desk: &mut Desk) -> Result<()> {
+    desk.window.press_keys("F1")?;
+    rest(desk, "no keys", |state| {
+        !state.shows("turn around the pivot")
+    })?;
+    desk.window.press_keys("ctrl+p")?;
+    desk.window
+        .type_into("TextInput", "Find", "show: real colours")?;
+    desk.window.press_keys("Return")?;
+    rest(desk, "colours", |state| {
+        state.session("show") == "Real colours"
+    })?;
+    desk.show_views(4)?;
+    for (number, title, id) in [
+        (1, "Points", POINTS),
+        (2, "Surfels", SURFEL),
+        (3, "HQSS", "org.pointstage.hqss"),
+        (4, "EWA reference", "org.pointstage.ewa-reference"),
+    ] {
+        desk.choose_in_view(number, title, id)?;
+    }
+    desk.window.click_on("CheckBox", "Fair comparison")?;
+    desk.window.click_on("Button", "Against view 4")?;
+    rest(desk, "the numbers of three views", |state| {
+        let panes = state.session("panes").as_array();
+        let numbers = panes.into_iter().flatten().take(3);
+        numbers.into_iter().all(|pane| {
+            pane["numbers"]
+                .as_str()
+                .is_some_and(|text| text.starts_with("PSNR "))
+        })
+    })?;
+    picture(desk, "side-by-side")
 }
 
 fn inspector(desk: &mut Desk) -> Result<()> {

@@ -192,6 +192,43 @@ fn any_scene_file() -> impl Strategy<Value = SceneFile> {
     )
 }
 
+fn any_pane() -> impl Strategy<Value = PaneFile> {
+    (
+        any_view(),
+        any_renderers(),
+        any_look(),
+        any_lights(),
+        any_settings(),
+        any_active_presets(),
+    )
+        .prop_map(
+            |(view, renderers, look, lights, settings, presets)| PaneFile {
+                view,
+                renderers,
+                look,
+                lights,
+                settings,
+                presets,
+            },
+        )
+}
+
+fn any_comparison() -> impl Strategy<Value = ComparisonFile> {
+    let flags = any::<[bool; 3]>();
+    (flags, 0..4_usize, 0..4_usize, 0.1_f32..3.0, 0.0_f32..1.0).prop_map(
+        |([linked, fair, measure], active, against, flicker_hz, part)| ComparisonFile {
+            active,
+            linked,
+            fair,
+            layout: if linked { "wipe" } else { "flip" }.to_owned(),
+            flicker_hz,
+            against,
+            measure,
+            split: [part, 0.5],
+        },
+    )
+}
+
 fn any_session() -> impl Strategy<Value = SessionFile> {
     (
         any_view(),
@@ -202,9 +239,12 @@ fn any_session() -> impl Strategy<Value = SessionFile> {
         any_settings(),
         any_active_presets(),
         any_stored_views(),
+        proptest::collection::vec(any_pane(), 0..4),
+        proptest::option::of(any_comparison()),
     )
         .prop_map(
-            |(view, renderers, look, lights, scene, settings, presets, views)| SessionFile {
+            |(
+                view,
                 renderers,
                 look,
                 lights,
@@ -212,6 +252,18 @@ fn any_session() -> impl Strategy<Value = SessionFile> {
                 settings,
                 presets,
                 views,
+                panes,
+                comparison,
+            )| SessionFile {
+                renderers,
+                look,
+                lights,
+                scene,
+                settings,
+                presets,
+                views,
+                panes,
+                comparison,
                 ..SessionFile::new(view)
             },
         )
