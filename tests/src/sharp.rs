@@ -75,7 +75,7 @@ fn both(lines: &[[f32; 3]]) -> [[f32; 3]; 2] {
 pub fn cube(side: u8) -> Shape {
     let spacing = 2.0 / f32::from(side);
     let mut surfels = Vec::new();
-    for face in 0..6 {
+    for (face, colour) in COLOURS.into_iter().enumerate() {
         let axis = face / 2;
         let normal = Vec3::AXES[axis] * if face % 2 == 0 { 1.0 } else { -1.0 };
         let u = Vec3::AXES[(axis + 1) % 3];
@@ -87,7 +87,7 @@ pub fn cube(side: u8) -> Shape {
             surfels.push(Sharp {
                 centre: normal + u * at[0] + v * at[1],
                 axes: [u * half_axes[0], v * half_axes[1]],
-                colour: COLOURS[face],
+                colour,
                 lines: both(&square_lines(at, half_axes)),
                 is_union: false,
             });

@@ -350,8 +350,8 @@ fn a_scan_has_no_hole_that_its_mesh_has_not() {
     camera.frame(&scene.bounds_world(), 1.0);
     let (pivot, distance) = (camera.pivot, camera.eye.distance(camera.pivot));
     let step = if long() { 1 } else { 50 };
-    let triangles = [("surface", choice("triangles"))];
-    let (mut pixel_count, mut partly) = (0, 0);
+    let triangles = [&[("surface", choice("triangles"))], &TRUTH[..]].concat();
+    let mut pixel_count = 0;
     for view in (0..HOLE_VIEWS).step_by(step) {
         // Spread over the sphere; nearer and farther; twenty sizes.
         let z = 1.0 - (2.0 * view as f64 + 1.0) / HOLE_VIEWS as f64;
@@ -369,24 +369,31 @@ fn a_scan_has_no_hole_that_its_mesh_has_not() {
             let request = request(&scene, camera, renderer, settings);
             draw(&mut stage, &FrameRequest { size_px, ..request })
         };
-        let mesh = uints(&draw("ewa-reference", &triangles), "kind");
-        let is_mesh: Vec<bool> = mesh.iter().map(|kind| *kind != 0).collect();
+        let mut alphas = |renderer, settings: &[Setting]| {
+            let colours = floats(&draw(renderer, settings), "colour");
+            let alphas = colours.chunks_exact(4).map(|pixel| pixel[3]);
+            alphas.collect::<Vec<_>>()
+        };
+        // All samples of the pixel and of those round it meet the mesh. One ray a pixel is not enough: where the outline goes
+        // through a pixel near its centre, the mesh may cover a little more than half of it and the disks a little less, and
+        // then the pixel beside it is at the disks' outline alone.
+        let mesh = alphas("ewa-reference", &triangles);
+        let is_mesh: Vec<bool> = mesh.iter().map(|alpha| *alpha >= 0.999).collect();
         let inside = eroded(&is_mesh, size_px, 1);
-        let colours = floats(&draw("hqss", &[]), "colour");
-        let alphas = colours.chunks_exact(4).map(|pixel| pixel[3]);
+        let splats = alphas("hqss", &[]);
         let covered = inside
             .iter()
-            .zip(alphas)
+            .zip(&splats)
             .filter(|(is_inside, _)| **is_inside);
-        let covered: Vec<f32> = covered.map(|(_, alpha)| alpha).collect();
-        pixel_count += covered.len();
-        partly += covered.iter().filter(|alpha| **alpha < 0.999).count();
-        let holes = covered.iter().filter(|alpha| **alpha < 0.5).count();
-        assert!(holes == 0, "{holes} holes in view {view} at {size_px:?}");
+        pixel_count += covered.clone().count();
+        let partly = covered.filter(|(_, alpha)| **alpha < 0.999).count();
+        assert!(
+            partly == 0,
+            "{partly} holes, whole or in part, in view {view} at {size_px:?}"
+        );
     }
-    // Where the disks of the mesh's vertices leave a gap of several pixels, the pixels beside it may be covered in part.
     assert!(
-        partly * 1_000_000 <= pixel_count,
-        "{partly} of {pixel_count} in part"
+        pixel_count > 1_000,
+        "{pixel_count} pixels are too few to tell"
     );
 }
