@@ -84,12 +84,10 @@ fn join_continued<'a>(line: Line<'a>, lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
     let mut joined = begin.to_vec();
     for next in lines.by_ref() {
         joined.push(b' ');
-        match next.text.strip_suffix(b"\\") {
-            Some(part) => joined.extend_from_slice(part),
-            None => {
-                joined.extend_from_slice(next.text);
-                break;
-            }
+        let part = next.text.strip_suffix(b"\\");
+        joined.extend_from_slice(part.unwrap_or(next.text));
+        if part.is_none() {
+            break;
         }
     }
     Cow::Owned(joined)
@@ -299,12 +297,10 @@ impl Reader {
 
 /// An index from 0 of a number from 1, or of a negative one from the end.
 fn resolve(number: i64, count: usize) -> u32 {
-    let index = if number > 0 {
-        number - 1
-    } else if number < 0 {
-        count as i64 + number
-    } else {
-        -1
+    let index = match number {
+        1.. => number - 1,
+        0 => -1,
+        _ => count as i64 + number,
     };
     u32::try_from(index).unwrap_or(NO_VERTEX)
 }

@@ -67,14 +67,16 @@ impl Loader for E57Loader {
             for (index, point) in points.enumerate() {
                 let point = point.map_err(|error| fail(&error, index as u64))?;
                 read += 1;
+                if read.is_multiple_of(RUN as u64) {
+                    progress.check()?;
+                    progress.set((read as f64 / expected as f64) as f32, "reading scans");
+                }
                 let CartesianCoordinate::Valid { x, y, z } = point.cartesian else {
                     invalid += 1;
                     continue;
                 };
                 run.push([x, y, z], &point, number);
                 if run.positions.len() == RUN {
-                    progress.check()?;
-                    progress.set((read as f64 / expected as f64) as f32, "reading scans");
                     run.flush(out)?;
                 }
             }

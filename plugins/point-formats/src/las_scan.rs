@@ -1,7 +1,7 @@
 //! LAS, its compressed form LAZ, and COPC, which is a LAZ file with an index that is not needed to read all of it.
 
-use std::io::Cursor;
-use std::sync::Arc;
+use std::fs::File;
+use std::io::BufReader;
 
 use las::{PointData, Reader};
 use pointstage_plugin_api::abi::ScalarType;
@@ -12,6 +12,9 @@ use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
 /// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
 const POINTS_A_PIECE: u64 = 200_000;
+
+/// Bytes read from the file at once.
+const READ_AHEAD: usize = 1 << 20;
 
 /// The loader of LAS and LAZ files.
 pub struct LasLoader;
@@ -33,14 +36,15 @@ impl Loader for LasLoader {
         progress: &Progress<'_>,
     ) -> Result<()> {
         progress.set(0.0, "reading points");
-        // The library keeps what it reads from for as long as it likes, which borrowed bytes do not allow: a copy, which is
-        // the compressed file.
-        let bytes: Arc<[u8]> = file.bytes.into();
-        let mut reader = Reader::new(Cursor::new(bytes)).map_err(|error| {
-            Error::failed(format!(
-                "the header cannot be read: {error}; the file is damaged, copy it again"
-            ))
-        })?;
+        // The library keeps what it reads from for as long as it likes, which borrowed bytes do not allow.
+        let opened = File::open(file.path)
+            .map_err(|error| Error::failed(format!("cannot be read any more: {error}")))?;
+        let mut reader =
+            Reader::new(BufReader::with_capacity(READ_AHEAD, opened)).map_err(|error| {
+                Error::failed(format!(
+                    "the header cannot be read: {error}; the file is damaged, copy it again"
+                ))
+            })?;
         let header = reader.header();
         let (expected, format) = (header.number_of_points(), *header.point_format());
         if expected == 0 {

@@ -4,14 +4,18 @@
 //! its upper three bits are the length less 2 (if they are 7, a byte follows that is added), its lower five bits and the next
 //! byte are the distance less 1.
 
-/// Unpacks `packed` to exactly `length` bytes; `None` if it is damaged.
-pub(crate) fn unpack(packed: &[u8], length: usize) -> Option<Vec<u8>> {
+/// Bytes unpacked between two looks at whether to go on: a few milliseconds.
+const BYTES_A_PIECE: usize = 1 << 22;
+
+/// Unpacks `packed` to exactly `length` bytes; `None` if it is damaged, or once `goes_on` says no.
+pub(crate) fn unpack(packed: &[u8], length: usize, goes_on: impl Fn() -> bool) -> Option<Vec<u8>> {
     // The longest copy makes 264 bytes of 3, so a small file never takes much memory.
     if length / 88 > packed.len() {
         return None;
     }
     let mut out = Vec::with_capacity(length);
     let mut rest = packed;
+    let mut next_look = BYTES_A_PIECE;
     while let Some((&control, tail)) = rest.split_first() {
         if control < 32 {
             let (literals, tail) = tail.split_at_checked(usize::from(control) + 1)?;
@@ -36,6 +40,12 @@ pub(crate) fn unpack(packed: &[u8], length: usize) -> Option<Vec<u8>> {
         if out.len() > length {
             return None;
         }
+        if out.len() > next_look {
+            next_look += BYTES_A_PIECE;
+            if !goes_on() {
+                return None;
+            }
+        }
     }
     (out.len() == length).then_some(out)
 }
@@ -48,7 +58,7 @@ mod tests {
     fn literals_and_overlapping_copies_are_unpacked() {
         // "ab", then 8 bytes from 2 back, then 2 + 7 + 5 bytes from 1 back.
         let packed = [1, b'a', b'b', 0b110_00000, 1, 0b111_00000, 5, 0];
-        let unpacked = unpack(&packed, 24).expect("sound");
+        let unpacked = unpack(&packed, 24, || true).expect("sound");
         assert_eq!(
             unpacked,
             b"ababababab"
@@ -69,7 +79,7 @@ mod tests {
             (&[0b111_00000], 9),
             (&[0, 1], 1 << 40),
         ] {
-            assert_eq!(unpack(packed, length), None, "{packed:?}");
+            assert_eq!(unpack(packed, length, || true), None, "{packed:?}");
         }
     }
 }

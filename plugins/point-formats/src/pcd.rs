@@ -152,7 +152,7 @@ fn read_binary(
     out: &mut Output<'_>,
     progress: &Progress<'_>,
 ) -> Result<()> {
-    let body = body_of(file, header)?;
+    let body = body_of(file, header, progress)?;
     let points = header.points as usize;
     let mut places = Vec::new();
     let mut offset = 0;
@@ -194,7 +194,7 @@ fn read_binary(
 }
 
 /// The bytes of all points, unpacked.
-fn body_of<'a>(file: &'a [u8], header: &Header) -> Result<Cow<'a, [u8]>> {
+fn body_of<'a>(file: &'a [u8], header: &Header, progress: &Progress<'_>) -> Result<Cow<'a, [u8]>> {
     let body = file.get(header.body_start..).unwrap_or_default();
     let short = |expected: u64, found: usize| {
         Error::failed(format!(
@@ -227,7 +227,9 @@ fn body_of<'a>(file: &'a [u8], header: &Header) -> Result<Cow<'a, [u8]>> {
         .get(8..)
         .and_then(|rest| rest.get(..packed))
         .ok_or_else(|| short(packed as u64, body.len().saturating_sub(8)))?;
-    let unpacked = lzf::unpack(data, unpacked).ok_or_else(|| {
+    let unpacked = lzf::unpack(data, unpacked, || !progress.is_cancelled());
+    progress.check()?;
+    let unpacked = unpacked.ok_or_else(|| {
         Error::failed(format!(
             "byte {}: the compressed body is damaged; copy the file again",
             header.body_start + 8

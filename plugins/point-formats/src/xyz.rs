@@ -33,7 +33,7 @@ impl Loader for XyzLoader {
         for line in Lines::new(whole) {
             match kind_of(&line) {
                 LineKind::Numbers(count) if count >= 3 && *width.get_or_insert(count) == count => {
-                    rows += 1
+                    rows += 1;
                 }
                 LineKind::Numbers(_) | LineKind::Other => return Claim::Possible,
                 LineKind::Empty | LineKind::Count | LineKind::Heading(_) => {}

@@ -8,7 +8,7 @@ use crate::columns::{Kept, Value};
 const LINES_LOOKED_AT: usize = 200;
 
 /// What may stand between two values.
-pub(crate) fn words<'a>(text: &'a [u8]) -> impl Iterator<Item = &'a [u8]> {
+pub(crate) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split(|byte| matches!(byte, b' ' | b'\t' | b',' | b';' | 0x0b | 0x0c))
         .filter(|word| !word.is_empty())
         .map(|word| word.strip_prefix(b"\"").unwrap_or(word))
@@ -68,10 +68,8 @@ pub(crate) fn guess(text: &[u8]) -> Option<Vec<Value>> {
     for line in Lines::new(text) {
         match kind_of(&line) {
             LineKind::Heading(names) if rows.is_empty() => return Some(named(&names)),
-            LineKind::Numbers(count) => {
-                if rows.first().is_none_or(|first| first.len() == count) {
-                    rows.push(words(line.text).filter_map(number).collect());
-                }
+            LineKind::Numbers(count) if rows.first().is_none_or(|first| first.len() == count) => {
+                rows.push(words(line.text).filter_map(number).collect());
             }
             _ => {}
         }

@@ -86,6 +86,32 @@ fn real_files_cut_anywhere_are_errors() -> Result<()> {
 }
 
 #[test]
+fn real_files_with_a_wrong_byte_in_their_headers_are_errors_or_objects() -> Result<()> {
+    let loaders = first_party()?;
+    let folder = tempfile::tempdir()?;
+    for (name, loader, step) in [
+        ("lone-star.copc.laz", "las", 17),
+        ("tiny_spherical.e57", "e57", 7),
+    ] {
+        let Some(shared) = shared(&format!("points/{name}")) else {
+            return Ok(());
+        };
+        let content = std::fs::read(shared)?;
+        let path = folder.path().join(name);
+        // The counts, offsets and lengths that everything else hangs on; E57 has them as checked bytes.
+        for at in (24..700).step_by(step) {
+            let mut wrong = content.clone();
+            wrong[at] ^= 0xff;
+            // Whether it is an object still, or an error, the byte decides; it ends, and the program goes on.
+            if let Err(error) = outcome(&loaders, &path, &wrong, loader) {
+                assert!(error.contains(name), "byte {at}: {error}");
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
 fn small_files_with_any_byte_wrong_do_not_panic() -> Result<()> {
     let loaders = first_party()?;
     let folder = tempfile::tempdir()?;

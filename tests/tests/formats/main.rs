@@ -4,6 +4,7 @@
 
 mod border;
 mod choice;
+mod commands;
 mod damage;
 mod meshes;
 mod points;

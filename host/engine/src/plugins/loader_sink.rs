@@ -110,7 +110,7 @@ impl State {
     }
 
     fn add_rows(&mut self, rows: &LoadRowsRecord<'_>, job: &Job) -> Result<(), String> {
-        let columns: Vec<&[u8]> = rows.columns.iter().map(|bytes| bytes.as_slice()).collect();
+        let columns: Vec<&[u8]> = rows.columns.iter().map(RSlice::as_slice).collect();
         let widths = self.widths.clone();
         let builder = self.builder()?;
         let whole = columns.len() == widths.len()
@@ -370,7 +370,7 @@ mod tests {
                                 .into(),
                             0,
                         ),
-                    )
+                    );
                 },
                 "does not know",
             ),
@@ -385,7 +385,7 @@ mod tests {
                                 .into(),
                             0,
                         ),
-                    )
+                    );
                 },
                 "no column can have",
             ),

@@ -157,16 +157,19 @@ fn most_claiming(
     start: &FileStart<'_>,
 ) -> Option<(Arc<dyn Loader>, Claim)> {
     let extension = start.extension();
-    let mut best: Option<((Claim, bool), &Arc<dyn Loader>)> = None;
+    let mut best = None;
+    let mut most = (Claim::No, false);
     for loader in loaders {
         let has_extension = loader.info().has_extension(&extension);
         let claim = loader.claims(start);
         let is_claimed = claim >= Claim::Likely || (claim == Claim::Possible && has_extension);
-        if is_claimed && best.is_none_or(|(most, _)| (claim, has_extension) > most) {
-            best = Some(((claim, has_extension), loader));
+        // Any claim of these is more than none, and of equal ones the first stays.
+        if is_claimed && (claim, has_extension) > most {
+            most = (claim, has_extension);
+            best = Some(loader);
         }
     }
-    best.map(|((claim, _), loader)| (Arc::clone(loader), claim))
+    best.map(|loader| (Arc::clone(loader), most.0))
 }
 
 /// Why no loader takes the file.
