@@ -35,6 +35,23 @@ fn names_fall_back_to_the_id() {
 }
 
 #[test]
+fn extensions_of_a_loader_lose_their_dot_and_their_case() {
+    let mut manifest = minimal();
+    manifest["plugins"][0]["kind"] = json!("loader");
+    manifest["plugins"][0]["extensions"] = json!([".PLY", "xyz"]);
+    let read = Manifest::parse(manifest.to_string().as_bytes()).expect("a loader");
+    assert_eq!(read.plugins[0].extensions, ["ply", "xyz"]);
+    for bad in ["", "tar/gz", "*.x"] {
+        manifest["plugins"][0]["extensions"] = json!([bad]);
+        let said = message(manifest.to_string().as_bytes());
+        assert!(
+            said.contains("extension") && said.contains("org.example.dots"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn unknown_fields_kinds_and_setting_kinds_are_ignored() {
     let mut manifest = minimal();
     manifest["colour_of_the_box"] = json!("blue");

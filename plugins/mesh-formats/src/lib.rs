@@ -7,6 +7,7 @@ mod mtl;
 mod obj;
 mod off;
 mod stl;
+mod texel;
 
 pub use gltf_scene::GltfLoader;
 pub use obj::ObjLoader;

@@ -46,10 +46,7 @@ fn the_loader_and_its_options_can_be_named() -> Result<()> {
     );
     assert_eq!(facts[0]["columns"][0]["name"], "heat");
     for (words, part) in [
-        (
-            &["--loader", "xzy"][..],
-            "no loader 'xzy'; did you mean 'xyz'?",
-        ),
+        (&["--loader", "xzy"][..], "no loader 'xzy'; did you mean"),
         (
             &["--loader", "xyz", "--set-loader", "colums=x"][..],
             "columns",
@@ -72,14 +69,25 @@ fn a_picture_is_drawn_from_a_mesh_that_a_plugin_reads() -> Result<()> {
     let path = program.home().join("pyramid.off");
     let picture = program.home().join("pyramid.png");
     std::fs::write(&path, small::OFF)?;
-    let words = ["render", "--no-device", "--size", "64x48", "--out"];
+    let words = [
+        "render",
+        "--no-device",
+        "--background",
+        "#000000",
+        "--size",
+        "64x48",
+        "--out",
+    ];
     let mut words: Vec<&std::ffi::OsStr> = words.iter().map(AsRef::as_ref).collect();
     words.extend([picture.as_os_str(), path.as_os_str()]);
     program.succeed(words)?;
     let drawn = image::open(&picture)?.to_rgb8();
-    let colours: std::collections::BTreeSet<[u8; 3]> =
-        drawn.pixels().map(|pixel| pixel.0).collect();
-    assert!(colours.len() > 100, "{} colours", colours.len());
+    let lit = drawn.pixels().filter(|pixel| pixel.0 != [0; 3]).count();
+    assert!(
+        lit > 200,
+        "{lit} of {} pixels are lit",
+        drawn.pixels().len()
+    );
     Ok(())
 }
 

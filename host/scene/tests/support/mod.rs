@@ -5,6 +5,10 @@ use std::io::Write as _;
 use pointstage_scene::{Job, LoadError, LoadOptions, Loaded, load};
 
 /// Loads bytes as a file.
+#[allow(
+    clippy::needless_pass_by_value,
+    reason = "tests make the options where they hand them over"
+)]
 pub(crate) fn load_bytes(bytes: &[u8], options: LoadOptions) -> Result<Loaded, LoadError> {
     let mut file = tempfile::Builder::new()
         .prefix("made-up")

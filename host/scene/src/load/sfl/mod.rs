@@ -2,9 +2,10 @@
 //!
 //! `container` reads the tree of tagged directories, `tags` their values; `sets` finds the sets of surfels, their
 //! transforms and the records of the resolution that is shown; `layout` tells where each property stands in a record
-//! (`property` which there are, `normal` how packed normals are); `rows` puts the records of all sets in one row, and
-//! `build` makes columns of them, each in one parallel pass over the mapped file. Sizes are compared with the file before
-//! anything is allocated, and no two sets share records, so a small file never takes much memory.
+//! (`property` which there are, `normal` how packed normals are); `rows` puts the records of all sets in one row, and `build`
+//! (with `colours`) makes columns of them, each in one parallel pass over the mapped file. Sizes are compared with the file
+//! before anything is allocated, and the sets' records together are no longer than the file, so a small file never takes much
+//! memory.
 //!
 //! | in the file | here |
 //! |---|---|
@@ -20,6 +21,7 @@
 //! Editing*, SIGGRAPH 2002; its files were pieced together from those that its library wrote.
 
 mod build;
+mod colours;
 mod container;
 mod error;
 mod layout;

@@ -1,0 +1,106 @@
+use super::*;
+use crate::load::Estimation;
+use bytemuck::cast_slice;
+
+const POSITION: ColumnSpec = ColumnSpec {
+    role: ColumnRole::Position,
+    name: String::new(),
+    scalar: ScalarType::F64,
+    components: 3,
+};
+
+fn file_only() -> LoadOptions {
+    LoadOptions {
+        estimation: Estimation::FileOnly,
+        ..LoadOptions::default()
+    }
+}
+
+#[test]
+fn columns_of_map_coordinates_keep_their_digits_and_their_types() {
+    let colour = ColumnSpec::new(ColumnRole::Colour, ScalarType::U16, 3);
+    let time = ColumnSpec::named("time", ScalarType::F64, 1);
+    let mut builder = ObjectBuilder::new(vec![POSITION, colour, time]).expect("sound columns");
+    for row in 0..4_u16 {
+        let at = 4_900_000.0 + f64::from(row) * 0.001;
+        let positions = [600_000.0, at, 1.0];
+        let colours = [row * 257, 0, 65535];
+        builder
+            .add_rows(
+                1,
+                &[
+                    cast_slice(&positions),
+                    cast_slice(&colours),
+                    cast_slice(&[at]),
+                ],
+            )
+            .expect("of the right length");
+    }
+    let Contents {
+        origin, geometry, ..
+    } = builder
+        .finish(&file_only(), &Job::new())
+        .expect("an object");
+    let at = |row: usize| origin + geometry.blocks[0].centre(row).as_dvec3();
+    assert!((at(3).y - 4_900_000.003).abs() < 1e-9, "{}", at(3));
+    assert_eq!(
+        geometry.blocks[0].colour.as_deref().map(|colour| colour[2]),
+        Some(0xffff_0002)
+    );
+    assert_eq!(geometry.blocks[0].named[0].value(1, 0), Some(4_900_000.001));
+}
+
+#[test]
+fn lengths_that_do_not_fit_are_refused_and_add_nothing() {
+    let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
+    for columns in [&[][..], &[&[0_u8; 23][..]], &[&[0_u8; 24][..], &[0][..]]] {
+        assert!(
+            matches!(builder.add_rows(1, columns), Err(BuildError::Length { .. })),
+            "{columns:?}"
+        );
+    }
+    assert!(builder.add_polygons(&[3, 4], &[0; 6]).is_err());
+    assert_eq!(builder.rows(), 0);
+    let error = builder
+        .finish(&file_only(), &Job::new())
+        .expect_err("nothing in it");
+    assert!(format!("{error:?}").contains("Nothing"), "{error:?}");
+    for specs in [
+        vec![],
+        vec![POSITION, POSITION],
+        vec![ColumnSpec {
+            components: 4,
+            ..POSITION
+        }],
+    ] {
+        assert!(ObjectBuilder::new(specs.clone()).is_err(), "{specs:?}");
+    }
+}
+
+#[test]
+fn triangles_and_polygons_may_come_in_any_order() {
+    let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    builder.add_rows(4, &[cast_slice(&square)]).expect("four");
+    builder.add_triangles(&[[0, 1, 2]]);
+    builder
+        .add_polygons(&[4, 3], &[0, 1, 2, 3, 0, 2, 9])
+        .expect("seven corners");
+    builder.add_triangles(&[[0, 2, 3]]);
+    let contents = builder
+        .finish(&file_only(), &Job::new())
+        .expect("an object");
+    let triangles = contents.geometry.triangles.expect("a mesh");
+    assert_eq!(*triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 2, 3]]);
+    assert_eq!(
+        contents
+            .warnings
+            .count(&WarningKind::FacesOutOfRangeDropped),
+        1
+    );
+}
