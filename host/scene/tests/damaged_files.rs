@@ -139,7 +139,7 @@ fn damaged_files_neither_panic_nor_take_much_memory() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let (mut loaded, mut refused) = (0, 0);
     for seed in seeds() {
-        load_bytes(&seed, LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        load_bytes(&seed, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         for _ in 0..2000 {
             let mut file = seed.clone();
             for _ in 0..=random.below(3) {
@@ -149,7 +149,7 @@ fn damaged_files_neither_panic_nor_take_much_memory() {
             }
             let before = IN_USE.load(Ordering::Relaxed);
             PEAK.store(before, Ordering::Relaxed);
-            match load_bytes(&file, LoadOptions::default()) {
+            match load_bytes(&file, &LoadOptions::default()) {
                 Ok(_) => loaded += 1,
                 Err(_) => refused += 1,
             }
