@@ -191,7 +191,7 @@ proptest! {
     #[test]
     fn all_encodings_of_a_file_give_the_same_object(file in made_up()) {
         let [text, little, big] = [Encoding::Text, Encoding::Little, Encoding::Big]
-            .map(|encoding| load_bytes(&file.write(encoding), FILE_ONLY).map(|loaded| summary(&loaded)).map_err(|e| e.to_string()));
+            .map(|encoding| load_bytes(&file.write(encoding), &FILE_ONLY).map(|loaded| summary(&loaded)).map_err(|e| e.to_string()));
         let text = text.expect("the text is well formed");
         prop_assert_eq!(&text.0.len(), &file.rows.len());
         for (position, row) in text.0.iter().zip(&file.rows) {

@@ -13,7 +13,7 @@ fn binary(elements: &str, body: &[u8]) -> Result<Loaded, String> {
     let mut file =
         format!("ply\nformat binary_little_endian 1.0\n{elements}\nend_header\n").into_bytes();
     file.extend_from_slice(body);
-    load_bytes(&file, FILE_ONLY).map_err(|error| error.to_string())
+    load_bytes(&file, &FILE_ONLY).map_err(|error| error.to_string())
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn normals_and_radii_are_the_same_in_map_coordinates_as_near_the_origin() {
         let body: String = (0..1600).map(line).collect();
         let header = "element vertex 1600\nproperty double x\nproperty double y\nproperty double z";
         let file = format!("ply\nformat ascii 1.0\n{header}\nend_header\n{body}");
-        load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded")
+        load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded")
     };
     let (near, far) = (cloud(DVec3::ZERO), cloud(far));
     assert_ne!(far.object.origin, DVec3::ZERO);
@@ -248,7 +248,7 @@ fn useless_normals_and_radii_are_computed_and_counted() {
     );
     let body = "0 0 0 0 0 1 5\n1 0 0 nan 0 1 5\n1 1 0 0 0 0 -1\n0 1 0 1 0 0 5\n3 0 1 2\n3 0 2 3\n";
     let file = format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{body}");
-    let loaded = load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded");
+    let loaded = load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded");
     let block = &loaded.object.geometry.blocks[0];
     let normals: Vec<Vec3> = (0..4)
         .filter_map(|surfel| block.normal_at(surfel))
@@ -282,7 +282,7 @@ fn vertices_without_a_face_get_their_radius_from_neighbours() {
     let file = format!(
         "ply\nformat ascii 1.0\n{elements}\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n"
     );
-    let loaded = load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded");
+    let loaded = load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded");
     let geometry = &loaded.object.geometry;
     assert!(geometry.blocks[0].position_radius[3][3] > 0.0);
     assert_eq!(geometry.origins.normals, Provenance::FromFaces);
@@ -301,7 +301,7 @@ fn flipping_turns_faces_and_normals() {
     ] {
         let loaded = load_bytes(
             file.as_bytes(),
-            LoadOptions {
+            &LoadOptions {
                 winding,
                 ..LoadOptions::default()
             },
@@ -319,7 +319,7 @@ fn points_at_one_place_load_with_a_warning() {
         "ply\nformat ascii 1.0\nelement vertex 3\n{XYZ}\nend_header\n{}",
         "7 8 9\n".repeat(3)
     );
-    let loaded = load_bytes(file.as_bytes(), LoadOptions::default()).expect("loaded");
+    let loaded = load_bytes(file.as_bytes(), &LoadOptions::default()).expect("loaded");
     assert_eq!(world(&loaded, 2), DVec3::new(7.0, 8.0, 9.0));
     assert_eq!(loaded.warnings.count(&WarningKind::AllAtOnePlace), 3);
 }

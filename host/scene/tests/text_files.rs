@@ -41,7 +41,7 @@ fn rows_end_at_line_ends_of_every_kind_and_at_the_end_of_the_file() {
                 .replace('\n', header_end);
             let body = ["0 0 0", " 1 0 0 spare", "0\t1 0", "3 0 1 2"].join(line_end);
             let file = format!("{header}{body}{last}");
-            let loaded = load_bytes(file.as_bytes(), FILE_ONLY)
+            let loaded = load_bytes(file.as_bytes(), &FILE_ONLY)
                 .unwrap_or_else(|error| panic!("{line_end:?} {last:?}: {error}"));
             let geometry = &loaded.object.geometry;
             assert_eq!(

@@ -89,8 +89,8 @@ fn the_copc_file_opens_at_full_resolution() -> Result<()> {
         return Ok(());
     };
     let loaded = load_as_it_is(&first_party()?, &path)?;
-    let min = [515_368.602_25, 4_918_340.364, 2322.896_25];
-    let max = [515_401.043, 4_918_381.123_75, 2338.575_5];
+    let min = [515_368.602_25, 4_918_340.364, 2_322.896_25];
+    let max = [515_401.043, 4_918_381.123_75, 2_338.575_5];
     check(&loaded, 518_862, min, max, 0.000_25);
     assert_eq!(range(&loaded, "intensity"), Some([17.0, 2744.0]));
     assert!(loaded.object.geometry.blocks[0].colour.is_none());

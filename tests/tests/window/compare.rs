@@ -135,9 +135,12 @@ fn the_lock_holds_views_to_one_radius_scale_and_says_who_does_not_follow() -> Re
     desk.choose_in_view(2, "Surfels", SURFEL)?;
     desk.window.click_on("CheckBox", "Fair comparison")?;
     desk.window.click_on("Tab", "View")?;
-    let scale = desk.window.find("Slider", "Radius scale")?;
-    let (x, y) = scale.middle();
-    desk.window.click(x, y, 1)?;
+    desk.window.drag_slider("Radius scale", 0.9, |state| {
+        let unmet = of_views(state, "unmet");
+        unmet
+            .first()
+            .is_some_and(|unmet| unmet.to_string().contains("radius scale"))
+    })?;
     let state = desk.window.settle("the lock", |state| {
         let unmet = of_views(state, "unmet");
         unmet

@@ -1,6 +1,7 @@
 //! What is dropped after an error, and how a lost device is replaced.
 
 use super::choose::user_of;
+use super::instances::Instance;
 use super::options::{FrameError, StageError};
 use super::request::{FrameRequest, Severity};
 use super::session::{OnDevice, Stage};
@@ -50,14 +51,10 @@ impl Stage {
     /// [`Notice`]: super::Notice
     pub fn cancel_preparation(&mut self, id: &str) -> bool {
         // Every build is asked: none may be left out once one was cancelled.
-        let renderer = self
-            .renderers
-            .of_id_mut(id)
-            .fold(false, |any, build| build.cancel() || any);
-        let structure = self
-            .structures
-            .of_id_mut(id)
-            .fold(false, |any, build| build.cancel() || any);
+        let renderers = self.renderers.of_id_mut(id).map(Instance::cancel);
+        let renderer = renderers.filter(|is_cancelled| *is_cancelled).count() > 0;
+        let structures = self.structures.of_id_mut(id).map(Instance::cancel);
+        let structure = structures.filter(|is_cancelled| *is_cancelled).count() > 0;
         if !renderer && !structure {
             return false;
         }

@@ -5,11 +5,7 @@ use std::io::Write as _;
 use pointstage_scene::{Job, LoadError, LoadOptions, Loaded, load};
 
 /// Loads bytes as a file.
-#[allow(
-    clippy::needless_pass_by_value,
-    reason = "tests make the options where they hand them over"
-)]
-pub(crate) fn load_bytes(bytes: &[u8], options: LoadOptions) -> Result<Loaded, LoadError> {
+pub(crate) fn load_bytes(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, LoadError> {
     let mut file = tempfile::Builder::new()
         .prefix("made-up")
         .suffix(".ply")
@@ -17,5 +13,5 @@ pub(crate) fn load_bytes(bytes: &[u8], options: LoadOptions) -> Result<Loaded, L
         .expect("a temporary file");
     file.write_all(bytes)
         .expect("the temporary file takes the bytes");
-    load(file.path(), &options, &Job::new())
+    load(file.path(), options, &Job::new())
 }

@@ -19,7 +19,7 @@ pub(crate) const XYZ: &str = "property float x\nproperty float y\nproperty float
 /// Loads a text body under a header of `elements`, without estimation.
 pub(crate) fn text(elements: &str, body: &str) -> Result<Loaded, String> {
     let file = format!("ply\nformat ascii 1.0\n{elements}\nend_header\n{body}");
-    load_bytes(file.as_bytes(), FILE_ONLY).map_err(|error| error.to_string())
+    load_bytes(file.as_bytes(), &FILE_ONLY).map_err(|error| error.to_string())
 }
 
 /// Centre of a surfel, world space.

@@ -24,7 +24,7 @@ pub(crate) fn wipe_handle_ui(ui: &mut Ui, view: Rect, wipe: f32) -> Option<f32> 
         .interact(zone, id, Sense::click_and_drag())
         .on_hover_cursor(CursorIcon::ResizeHorizontal);
     response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(wipe), "Wipe"));
-    if response.clicked() || response.drag_started() {
+    if response.is_pointer_button_down_on() {
         response.request_focus();
     }
     let painter = ui.painter_at(view);
