@@ -146,7 +146,7 @@ fn files_cut_anywhere_are_refused() {
         let bytes = std::fs::read(folder.join(format!("qs/{name}.qs"))).unwrap();
         for part in 0..200 {
             let cut = &bytes[..bytes.len() * part / 200];
-            let error = load_bytes(cut, file_only()).map(|_| ()).expect_err("cut");
+            let error = load_bytes(cut, &file_only()).map(|_| ()).expect_err("cut");
             assert!(!error.to_string().is_empty());
         }
     }
@@ -178,7 +178,7 @@ fn node(sphere: u16, children: u16, has_grandchildren: bool, normal: u16) -> [u8
 const WHOLE: u16 = 7620;
 
 fn message(bytes: &[u8]) -> String {
-    match load_bytes(bytes, file_only()) {
+    match load_bytes(bytes, &file_only()) {
         Ok(loaded) => panic!("loaded: {:?}", loaded.warnings),
         Err(error) => error.to_string(),
     }
@@ -194,7 +194,7 @@ fn a_made_up_tree_gives_its_leaves() {
     groups.extend(node(0, 0, false, 16_224));
     let mut bytes = b"QSplat11\0\0\0\x1c\0\0\0\0\0\0\0\x02hello\0\0\0".to_vec();
     bytes.extend(model(3, 0, 2, &groups));
-    let loaded = load_bytes(&bytes, file_only()).unwrap_or_else(|error| panic!("{error}"));
+    let loaded = load_bytes(&bytes, &file_only()).unwrap_or_else(|error| panic!("{error}"));
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let found = surfels(&loaded);
     let radii: Vec<f64> = found.iter().map(|surfel| surfel.1).collect();
@@ -204,7 +204,7 @@ fn a_made_up_tree_gives_its_leaves() {
     assert_eq!(found[2].2, DVec3::Z);
     assert_eq!(found[0].3, None);
 
-    let fewer = load_bytes(&model(4, 0, 2, &groups), file_only()).expect("the header may lie");
+    let fewer = load_bytes(&model(4, 0, 2, &groups), &file_only()).expect("the header may lie");
     let warning = fewer.warnings.iter().next().expect("a warning").to_string();
     assert!(warning.contains("another number of points"), "{warning}");
 }

@@ -411,7 +411,7 @@ fn files_cut_anywhere_are_refused_or_whole() {
         for part in 0..200 {
             let cut = &bytes[..bytes.len() * part / 200];
             // What comes after the last record only closes directories.
-            if let Ok(loaded) = load_bytes(cut, file_only()) {
+            if let Ok(loaded) = load_bytes(cut, &file_only()) {
                 let count = loaded.object.geometry.surfel_count;
                 assert!(
                     count == whole || !loaded.warnings.is_empty(),

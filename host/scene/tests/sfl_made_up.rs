@@ -21,7 +21,7 @@ fn read(bytes: &[u8]) -> Loaded {
         estimation: Estimation::FileOnly,
         ..LoadOptions::default()
     };
-    load_bytes(bytes, options).unwrap_or_else(|error| panic!("{error}"))
+    load_bytes(bytes, &options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn message(bytes: &[u8]) -> String {

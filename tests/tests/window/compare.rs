@@ -165,12 +165,19 @@ fn wipe_difference_pixels_and_zoom_work_by_pointer_and_keys() -> Result<()> {
     desk.lay_out("Wipe", "wipe")?;
     let handle = desk.window.find("Slider", "Wipe")?;
     let from = handle.middle();
-    desk.window
-        .drag_until(from, (from.0 - 120, from.1), 1, |state| {
-            state.session("comparison")["wipe"]
-                .as_f64()
-                .is_some_and(|wipe| wipe < 0.45)
+    desk.window.point_at(from.0, from.1)?;
+    desk.window.settle("the pointer", |_| true)?;
+    desk.window.while_pressing(from, 1, |window| {
+        // What the button goes down on is what lies under the pointer then.
+        window.wait_for_state("the handle to be taken", |state| {
+            state.widget("Slider", "Wipe")?.is_focused.then_some(())
         })?;
+        window.point_at(from.0 - 120, from.1)?;
+        window.wait_for_state("the handle to follow", |state| {
+            let wipe = state.session("comparison")["wipe"].as_f64()?;
+            (wipe < 0.45).then_some(())
+        })
+    })?;
     let before = desk.window.settle("the handle", |_| true)?;
     let wipe = |state: &State| state.session("comparison")["wipe"].as_f64();
     desk.window.press_keys("Right")?;

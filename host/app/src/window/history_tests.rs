@@ -248,10 +248,10 @@ fn carry_out(edit: &Edit, session: &mut Session) {
     match *edit {
         Edit::Renderer(number) => session.panes.active.renderer = format!("r{number}"),
         Edit::Preview(number) => {
-            session.panes.active.preview = number.map(|number| format!("r{number}"))
+            session.panes.active.preview = number.map(|number| format!("r{number}"));
         }
         Edit::Structure(is_some) => {
-            session.panes.active.structure = is_some.then(|| "s".to_owned())
+            session.panes.active.structure = is_some.then(|| "s".to_owned());
         }
         Edit::Set(id, value) => {
             let values = session.panes.active.settings.entry(owner).or_default();
@@ -289,7 +289,7 @@ fn carry_out(edit: &Edit, session: &mut Session) {
             }
         }
         Edit::Project => {
-            session.panes.active.camera = session.panes.active.camera.with_projection_switched(0.5)
+            session.panes.active.camera = session.panes.active.camera.with_projection_switched(0.5);
         }
         Edit::Visible(index, on) => {
             let id = session.scene.objects()[index].id;

@@ -68,6 +68,7 @@ mod toasts;
 mod ui_state;
 mod viewport;
 mod views;
+mod views_panels;
 mod views_ui;
 mod welcome;
 

@@ -143,7 +143,7 @@ impl App {
         session.panes.active.preview = renderers.preview;
         session.panes.active.structure = renderers.structure;
         if panes.len() > 1 {
-            self.take_over_panes(panes, comparison.unwrap_or_default());
+            self.take_over_panes(panes, &comparison.unwrap_or_default());
         }
         self.match_screens();
         // What was undone led to another session.
@@ -221,14 +221,14 @@ impl App {
     }
 
     /// Puts several views in the place of the one that there is.
-    fn take_over_panes(&mut self, panes: Vec<PaneFile>, comparison: ComparisonFile) {
+    fn take_over_panes(&mut self, panes: Vec<PaneFile>, comparison: &ComparisonFile) {
         let mut taken = panes.into_iter().take(MOST_VIEWS).map(Pane::from_file);
         if let Some(first) = taken.next() {
             self.session.panes = Several::one(first);
         }
         taken.for_each(|pane| self.session.panes.push(pane));
         self.session.panes.activate(comparison.active);
-        self.session.comparison = Comparison::from_file(&comparison);
+        self.session.comparison = Comparison::from_file(comparison);
     }
 
     /// A name for the session's file: beside the first object, called like it.

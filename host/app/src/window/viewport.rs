@@ -120,7 +120,7 @@ pub(crate) fn viewport_ui(
 
 /// Alt and the wheel enlarge the pixels under the pointer, Alt and a drag move the enlarged part.
 fn zoom_gestures(ui: &Ui, response: &egui::Response, rect: Rect, out: &mut Intents) {
-    let scroll = ui.input(|input| input.smooth_scroll_delta());
+    let scroll = ui.input(egui::InputState::smooth_scroll_delta);
     // The system may turn a wheel with Alt sideways.
     let turned = scroll.y + scroll.x;
     if let Some(pointer) = response.hover_pos().filter(|_| turned != 0.0) {

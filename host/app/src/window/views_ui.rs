@@ -9,11 +9,10 @@ use super::app::App;
 use super::canvas;
 use super::comparison::zoom::{paint_cross, paint_values, part_of};
 use super::comparison::{
-    Cell, Measure, Numbers, Way, borders, cells, pixels_ui, split_at, sweep_ui, times_ui, unmet,
-    why_rows, wipe_handle_ui,
+    Cell, Measure, Numbers, Way, borders, cells, split_at, unmet, wipe_handle_ui,
 };
 use super::gizmo::gizmo_ui;
-use super::intent::{CompareIntent, ComparePart, Intents};
+use super::intent::{CompareIntent, Intents};
 use super::picture::Layer;
 use super::screen::Screen;
 use super::theme;
@@ -268,36 +267,24 @@ impl App {
             answer.is_of(measure, shown[0], shown[1])
         });
         let difference = self.comparing.difference.as_ref();
-        match difference.filter(|_| is_of_these) {
-            Some(texture) => {
-                let layer = Layer {
-                    texture: texture.id(),
-                    size_px: texture.size().map(|side| side as u32),
-                    opacity: 1.0,
-                };
-                let painter = ui.painter_at(view);
-                let black = Background::Solid([0.0; 3]);
-                canvas::paint(&painter, view, black, &[layer], self.comparing.zoom);
-            }
-            None => {
-                self.paint_view(ui, view, view, pair[1], now);
-                let text = if self.is_resting() && !self.comparing.is_measuring() {
-                    "Pictures of different sizes have no difference to show."
-                } else {
-                    "The difference comes when both pictures rest."
-                };
-                let font = egui::TextStyle::Body.resolve(ui.style());
-                let painter = ui.painter_at(view);
-                let at = view.center_top() + vec2(0.0, 14.0);
-                let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
-                let place = Rect::from_center_size(
-                    at + vec2(0.0, galley.size().y / 2.0),
-                    galley.size() + vec2(16.0, 8.0),
-                );
-                painter.rect_filled(place, 4.0, Color32::from_black_alpha(190));
-                painter.galley(place.min + vec2(8.0, 4.0), galley, Color32::WHITE);
-            }
+        if let Some(texture) = difference.filter(|_| is_of_these) {
+            let layer = Layer {
+                texture: texture.id(),
+                size_px: texture.size().map(|side| side as u32),
+                opacity: 1.0,
+            };
+            let painter = ui.painter_at(view);
+            let black = Background::Solid([0.0; 3]);
+            canvas::paint(&painter, view, black, &[layer], self.comparing.zoom);
+            return;
         }
+        self.paint_view(ui, view, view, pair[1], now);
+        let text = if self.is_resting() && !self.comparing.is_measuring() {
+            "Pictures of different sizes have no difference to show."
+        } else {
+            "The difference comes when both pictures rest."
+        };
+        paint_note(ui, view, text);
     }
 
     /// A view's picture, of which only `part` is seen.
@@ -388,133 +375,6 @@ impl App {
         });
     }
 
-    /// What the views do not have in common.
-    pub(super) fn why_ui(&self, ui: &mut Ui) {
-        let rows = why_rows(&self.session, &self.rows);
-        ui.strong("Why do they differ?");
-        if rows.is_empty() {
-            ui.label("Renderers, values, look and camera are the same.");
-            return;
-        }
-        let count = self.session.panes.count();
-        let grid = egui::Grid::new("why").num_columns(count + 1).striped(true);
-        grid.show(ui, |ui| {
-            ui.label("");
-            for number in 1..=count {
-                ui.strong(number.to_string());
-            }
-            ui.end_row();
-            for row in &rows {
-                ui.label(&row.name);
-                for value in &row.values {
-                    match value {
-                        Some(value) => ui.label(value),
-                        None => ui.weak("–"),
-                    };
-                }
-                ui.end_row();
-            }
-        });
-    }
-
-    /// Panels about the views, over them.
-    pub(super) fn compare_panels_ui(&mut self, ctx: &egui::Context, over: Rect, out: &mut Intents) {
-        let panels = self.comparing.panels;
-        let count = self.visible_views().len() as f32;
-        let panel = |title: &str,
-                     part: ComparePart,
-                     column_width: f32,
-                     out: &mut Intents,
-                     add: &mut dyn FnMut(&mut Ui)| {
-            let mut is_open = true;
-            let width = (110.0 + count * column_width).min(over.width() - 40.0);
-            egui::Window::new(title)
-                .open(&mut is_open)
-                .default_pos(over.left_top() + vec2(16.0, 40.0))
-                .default_width(width)
-                .constrain_to(ctx.content_rect())
-                .collapsible(false)
-                .show(ctx, |ui| {
-                    egui::ScrollArea::both()
-                        .auto_shrink([false, true])
-                        .max_height((over.height() - 120.0).max(120.0))
-                        .show(ui, |ui| add(ui));
-                });
-            if !is_open {
-                out.push(CompareIntent::Toggle(part));
-            }
-        };
-        let visible = self.visible_views();
-        if panels.why {
-            panel(
-                "Why do they differ",
-                ComparePart::Why,
-                0.0,
-                out,
-                &mut |ui| {
-                    self.why_ui(ui);
-                },
-            );
-        }
-        if panels.times {
-            panel("Frame times", ComparePart::Times, 300.0, out, &mut |ui| {
-                let now = Instant::now();
-                ui.horizontal_top(|ui| {
-                    for index in &visible {
-                        let Some(screen) = self.screens.get(*index) else {
-                            continue;
-                        };
-                        ui.vertical(|ui| {
-                            times_ui(ui, &self.title_of_view(*index), &screen.frame_log, now)
-                        });
-                    }
-                });
-            });
-        }
-        if panels.pixels {
-            panel("Pixels", ComparePart::Pixels, 190.0, out, &mut |ui| {
-                let places: Vec<_> = visible
-                    .iter()
-                    .filter_map(|index| {
-                        Some(super::comparison::Place {
-                            title: self.title_of_view(*index),
-                            shown: self.screens.get(*index)?.shown.as_ref(),
-                        })
-                    })
-                    .collect();
-                let is_linked = self.session.comparison.is_linked;
-                pixels_ui(
-                    ui,
-                    self.comparing.pointer,
-                    &places,
-                    &self.session.scene,
-                    is_linked,
-                );
-            });
-        }
-        if let Some(sweep) = &self.comparing.sweep {
-            let mut is_open = true;
-            let applied = sweep.applied(&self.session, &self.rows);
-            egui::Window::new("Sweep")
-                .open(&mut is_open)
-                .default_pos(over.left_top() + vec2(16.0, 48.0))
-                .collapsible(false)
-                .show(ctx, |ui| {
-                    sweep_ui(ui, sweep, &self.rows, applied.as_deref(), out)
-                });
-            if !is_open {
-                out.push(CompareIntent::CloseSweep);
-            }
-        }
-    }
-
-    /// A view's number and renderer.
-    fn title_of_view(&self, index: usize) -> String {
-        let renderer = self.session.panes.get(index);
-        let title = renderer.map_or("", |pane| self.rows.title(&pane.renderer));
-        format!("{}  {title}", index + 1)
-    }
-
     /// Whether every view on the screen shows its final picture.
     pub(super) fn is_resting(&self) -> bool {
         let visible = self.visible_views();
@@ -530,6 +390,17 @@ fn seen_background(screen: &Screen, background: Background) -> Background {
     } else {
         background
     }
+}
+
+/// A sentence over the upper edge of a picture.
+fn paint_note(ui: &Ui, view: Rect, text: &str) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let painter = ui.painter_at(view);
+    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+    let middle = view.center_top() + vec2(0.0, 14.0 + galley.size().y / 2.0);
+    let place = Rect::from_center_size(middle, galley.size() + vec2(16.0, 8.0));
+    painter.rect_filled(place, 4.0, Color32::from_black_alpha(190));
+    painter.galley(place.min + vec2(8.0, 4.0), galley, Color32::WHITE);
 }
 
 /// The heads of two views in one place: one half of the width each.

@@ -141,13 +141,11 @@ fn numbers(reference: &FrameResult, view: &FrameResult) -> Numbers {
 /// Where the reference draws something: as its ids or depths say, else wherever it is not see-through.
 fn covered(reference: &FrameResult) -> Vec<bool> {
     let planes = &reference.planes;
-    match planes.get("id").or_else(|| planes.get("depth")) {
-        Some(plane) => silhouette(plane),
-        None => {
-            let pixels = reference.picture.rgba.chunks_exact(4);
-            pixels.map(|pixel| pixel[3] > 0).collect()
-        }
+    if let Some(plane) = planes.get("id").or_else(|| planes.get("depth")) {
+        return silhouette(plane);
     }
+    let pixels = reference.picture.rgba.chunks_exact(4);
+    pixels.map(|pixel| pixel[3] > 0).collect()
 }
 
 /// The picture without its coverage, over black where it has any.

@@ -43,7 +43,8 @@ struct Sweep {
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 struct Value {
-    value: String,
+    #[serde(rename = "value")]
+    text: String,
     whole: Whole,
     times: Option<Times>,
 }
@@ -124,9 +125,8 @@ impl SweepPanel {
         let own = pane.settings_of(id).get(&schema.id).cloned();
         let own = own.or_else(|| schema.default_value())?;
         let mut values = self.sweep.values.iter();
-        let found =
-            values.find(|value| schema.parse_text(&value.value).ok().as_ref() == Some(&own));
-        found.map(|value| value.value.clone())
+        let found = values.find(|value| schema.parse_text(&value.text).ok().as_ref() == Some(&own));
+        found.map(|value| value.text.clone())
     }
 
     /// Error and time of each value that has both; whether the error is FLIP.
@@ -136,9 +136,12 @@ impl SweepPanel {
             .values
             .iter()
             .any(|value| value.whole.flip_mean.is_some());
-        let error = |value: &Value| match has_flip {
-            true => value.whole.flip_mean,
-            false => value.whole.ssim.map(|ssim| 1.0 - ssim),
+        let error = |value: &Value| {
+            if has_flip {
+                value.whole.flip_mean
+            } else {
+                value.whole.ssim.map(|ssim| 1.0 - ssim)
+            }
         };
         let values = self.sweep.values.iter().enumerate();
         let points = values.filter_map(|(index, value)| {
@@ -186,8 +189,8 @@ pub(crate) fn sweep_ui(
     let mut chosen = clicked;
     ui.horizontal_wrapped(|ui| {
         for (index, value) in values.iter().enumerate() {
-            let text = format!("{} {unit}", value.value);
-            let is_applied = applied == Some(value.value.as_str());
+            let text = format!("{} {unit}", value.text);
+            let is_applied = applied == Some(value.text.as_str());
             if ui.selectable_label(is_applied, text.trim()).clicked() {
                 chosen = Some(index);
             }
@@ -198,7 +201,7 @@ pub(crate) fn sweep_ui(
         out.push(CompareIntent::ApplySweep {
             renderer: id.to_owned(),
             setting: setting.clone(),
-            value: value.value.clone(),
+            value: value.text.clone(),
         });
     }
 }
@@ -229,7 +232,7 @@ fn plot_ui(
         painter.line_segment([pair[0].1, pair[1].1], Stroke::new(1.5, line));
     }
     for (index, at) in &places {
-        let value = &panel.sweep.values[*index].value;
+        let value = &panel.sweep.values[*index].text;
         let is_applied = applied == Some(value.as_str());
         painter.circle(*at, if is_applied { 6.0 } else { 4.0 }, line, (1.0, strong));
         painter.text(

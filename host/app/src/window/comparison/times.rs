@@ -14,6 +14,9 @@ const TOTAL: Color32 = Color32::from_rgb(0x56, 0xb4, 0xe9);
 const CPU: Color32 = Color32::from_rgb(0xe6, 0x9f, 0x00);
 const DEVICE: Color32 = Color32::from_rgb(0x00, 0x9e, 0x73);
 
+/// A part of what a picture took.
+type Part = fn(&FrameCost) -> Duration;
+
 /// The plot and the numbers of one view.
 pub(crate) fn times_ui(ui: &mut Ui, title: &str, log: &FrameLog, now: Instant) {
     ui.strong(title);
@@ -30,7 +33,7 @@ pub(crate) fn times_ui(ui: &mut Ui, title: &str, log: &FrameLog, now: Instant) {
             ui.label("median");
             ui.label("95 %");
             ui.end_row();
-            let parts: [(&str, Color32, fn(&FrameCost) -> Duration); 3] = [
+            let parts: [(&str, Color32, Part); 3] = [
                 ("whole picture", TOTAL, |cost| cost.total),
                 ("renderer on the CPU", CPU, |cost| cost.cpu),
                 ("device, by wall clock", DEVICE, |cost| cost.device),
@@ -71,7 +74,7 @@ fn plot_ui(ui: &mut Ui, log: &FrameLog, now: Instant) {
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
     let greatest = log.frames(now).map(|(_, cost)| cost.total).max();
     let top = round_up(greatest.unwrap_or_default().as_secs_f32() * 1e3);
-    let parts: [(Color32, fn(&FrameCost) -> Duration); 3] = [
+    let parts: [(Color32, Part); 3] = [
         (DEVICE, |cost| cost.device),
         (CPU, |cost| cost.cpu),
         (TOTAL, |cost| cost.total),
