@@ -25,7 +25,7 @@ fn read(bytes: &[u8]) -> Loaded {
 }
 
 fn message(bytes: &[u8]) -> String {
-    match load_bytes(bytes, LoadOptions::default()) {
+    match load_bytes(bytes, &LoadOptions::default()) {
         Ok(loaded) => panic!("loaded: {:?}", loaded.warnings),
         Err(error) => error.to_string(),
     }
@@ -161,7 +161,7 @@ fn the_resolution_that_the_file_names_is_shown() {
             ..LoadOptions::default()
         };
         let bytes = file(&[], std::slice::from_ref(&set));
-        let loaded = load_bytes(&bytes, options).unwrap_or_else(|error| panic!("{error}"));
+        let loaded = load_bytes(&bytes, &options).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(loaded.object.geometry.surfel_count, count, "{choice}");
     }
     set.entries = vec![u32s(0x141, &[3])];
