@@ -67,10 +67,11 @@ fn main() -> Result<()> {
         "| views | ms | scene on the device, MB | with targets and renderers, MB |\n|---|---|---|---|"
     );
     for session in &mut sessions {
+        let median = session.median();
         println!(
             "| {} | {:.1} | {:.1} | {:.1} |",
             session.name,
-            session.median().as_secs_f64() * 1e3,
+            median.as_secs_f64() * 1e3,
             session.scene_bytes as f64 / 1e6,
             session.device_bytes as f64 / 1e6
         );
