@@ -2,7 +2,7 @@
 //!
 //! [`Comparison`] is what the user chose and [`Comparing`] what is on the screen of it. After the intents of a pass,
 //! `follow_active` gives the other views what they share with the active one ([`lock`]); when all pictures rest, the
-//! [`measurer`] gets them on a thread of its own and answers with metrics and a difference picture. [`cells`] says where
+//! [`measurer`] gets them on a thread of its own and answers with metrics and a difference picture. [`mod@cells`] says where
 //! views stand, [`overlay`] paints wipe, flicker and difference, [`zoom`] enlarges the same pixels in all of them,
 //! [`pixels`] lists what is at one ray in each, [`times`] plots what pictures cost, and [`why`] lists what the views differ
 //! in. [`sweep`] shows the curve that `pointstage sweep` wrote, and takes over the point that is clicked.
