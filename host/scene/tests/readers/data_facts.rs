@@ -2,12 +2,9 @@
 //!
 //! The folder lies beside the checkout, or where `POINTSTAGE_TEST_DATA` says; without it these tests skip and say so.
 
-#[path = "support/data.rs"]
-mod data;
-
 use std::collections::HashSet;
 
-use data::{Fact, REFUSED, data_folder, facts, load_file};
+use crate::data::{Fact, REFUSED, data_folder, facts, load_file};
 use pointstage_scene::{
     Estimation, Geometry, Job, LoadOptions, Loaded, Provenance, ScalarType, WarningKind, Winding,
     load,

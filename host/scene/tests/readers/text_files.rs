@@ -1,14 +1,10 @@
 //! Bodies of text: where rows and words end, over the borders of the pieces that threads share too.
 
-mod support;
-#[path = "support/texts.rs"]
-mod texts;
-
 use std::fmt::Write as _;
 
+use crate::support::load_bytes;
+use crate::texts::{FILE_ONLY, XYZ, text, world};
 use glam::DVec3;
-use support::load_bytes;
-use texts::{FILE_ONLY, XYZ, text, world};
 
 #[test]
 fn words_that_are_no_numbers_are_placed() {

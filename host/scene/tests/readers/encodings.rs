@@ -1,17 +1,15 @@
 //! Tables of random types, written in all three encodings: the loader must make the same of each.
 //! And a second opinion: what the library ply-rs-bw reads from the small files of the shared test data folder.
 
-mod support;
-
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use crate::support::load_bytes;
 use glam::DVec3;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 use pointstage_scene::{Estimation, Job, LoadOptions, Loaded, load};
 use proptest::prelude::*;
-use support::load_bytes;
 
 const TYPES: [&str; 8] = [
     "char", "uint8", "short", "uint16", "int32", "uint", "float32", "double",

@@ -2,10 +2,7 @@
 //!
 //! The folder lies beside the checkout, or where `POINTSTAGE_TEST_DATA` says; without it these tests skip and say so.
 
-#[path = "support/data.rs"]
-mod data;
-
-use data::{Fact, REFUSED, data_folder, facts, load_file};
+use crate::data::{Fact, REFUSED, data_folder, facts, load_file};
 use glam::DVec3;
 use pointstage_scene::{Estimation, Job, LoadOptions, Loaded, Provenance, WarningKind, load};
 

@@ -2,14 +2,10 @@
 //!
 //! The folder lies beside the checkout, or where `POINTSTAGE_TEST_DATA` says; without it those tests skip and say so.
 
-#[path = "support/data.rs"]
-mod data;
-#[path = "support/mod.rs"]
-mod support;
-
 use std::sync::Arc;
 
-use data::{REFUSED, data_folder, facts, load_file};
+use crate::data::{REFUSED, data_folder, facts, load_file};
+use crate::support::load_bytes;
 use glam::{DAffine3, DVec3, Vec3};
 use pointstage_plugin_api::columns::{NO_NORMAL, TangentAxes, decode_normal, encode_normal};
 use pointstage_scene::{
@@ -17,7 +13,6 @@ use pointstage_scene::{
     ScalarType, Warnings, save_ply, save_sfl, write_ply, write_sfl,
 };
 use proptest::prelude::*;
-use support::load_bytes;
 
 fn read(bytes: &[u8]) -> Loaded {
     let options = LoadOptions {

@@ -1,18 +1,13 @@
 //! SFL files made up here: what a file can say, and what becomes of it.
 
-#[path = "support/sfl.rs"]
-mod sfl;
-#[path = "support/mod.rs"]
-mod support;
-
+use crate::sfl::{Set, be, file, floats, u32s};
+use crate::support::load_bytes;
 use glam::{DAffine3, DVec3, Vec3};
 use pointstage_plugin_api::columns::TangentAxes;
 use pointstage_plugin_api::settings_schema::{SettingValue, SettingValues};
 use pointstage_scene::{
     Block, Estimation, LoadOptions, Loaded, LoaderChoice, Provenance, WarningKind,
 };
-use sfl::{Set, be, file, floats, u32s};
-use support::load_bytes;
 
 const RGB: u32 = 0x0007_0000;
 

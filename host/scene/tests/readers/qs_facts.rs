@@ -2,16 +2,11 @@
 //!
 //! The folder lies beside the checkout, or where `POINTSTAGE_TEST_DATA` says; without it those tests skip and say so.
 
-#[path = "support/data.rs"]
-mod data;
-#[path = "support/mod.rs"]
-mod support;
-
-use data::{data_folder, load_file};
+use crate::data::{data_folder, load_file};
+use crate::support::load_bytes;
 use glam::DVec3;
 use pointstage_scene::{Estimation, LoadOptions, Loaded, Provenance};
 use serde_json::Value;
-use support::load_bytes;
 
 fn vector(value: &Value) -> DVec3 {
     let number = |index: usize| value[index].as_f64().unwrap_or_else(|| panic!("{value}"));

@@ -1,13 +1,9 @@
 //! Small files made for one question each: what the loader must read, drop, count or refuse.
 
-mod support;
-#[path = "support/texts.rs"]
-mod texts;
-
+use crate::support::load_bytes;
+use crate::texts::{FILE_ONLY, XYZ, text, world};
 use glam::{DVec3, Vec3};
 use pointstage_scene::{LoadOptions, Loaded, Provenance, WarningKind, Winding};
-use support::load_bytes;
-use texts::{FILE_ONLY, XYZ, text, world};
 
 fn binary(elements: &str, body: &[u8]) -> Result<Loaded, String> {
     let mut file =

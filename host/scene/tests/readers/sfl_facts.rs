@@ -2,21 +2,16 @@
 //!
 //! The folder lies beside the checkout, or where `POINTSTAGE_TEST_DATA` says; without it these tests skip and say so.
 
-#[path = "support/data.rs"]
-mod data;
-#[path = "support/mod.rs"]
-mod support;
-
 use std::path::{Path, PathBuf};
 
-use data::data_folder;
+use crate::data::data_folder;
+use crate::support::load_bytes;
 use glam::{DVec3, Vec3};
 use pointstage_plugin_api::columns::TangentAxes;
 use pointstage_scene::{
     Block, Estimation, Job, LoadOptions, Loaded, Origins, Provenance, WarningKind, load,
 };
 use serde_json::Value;
-use support::load_bytes;
 
 /// Columns whose name here differs from that in the facts.
 const NAMES: [(&str, &str); 14] = [
