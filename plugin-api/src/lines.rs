@@ -114,7 +114,7 @@ mod tests {
         let expected: [(u64, &[u8]); 5] =
             [(1, b"a b"), (2, b"c"), (3, b"d"), (4, b""), (5, b"last")];
         assert_eq!(read, expected);
-        assert_eq!((lines.position(), lines.fraction()), (15, 1.0));
+        assert_eq!((lines.position(), lines.fraction()), (14, 1.0));
         assert_eq!(Lines::new(b"").next(), None);
     }
 

@@ -278,7 +278,7 @@ fn damaged_files_neither_panic_nor_take_much_memory() {
         };
         load_bytes(&bytes, &options()).unwrap_or_else(|error| panic!("{loader}: {error}"));
         let (mut loaded, mut refused) = (0, 0);
-        for _ in 0..2000 {
+        for _ in 0..3000 {
             let mut file = bytes.clone();
             for _ in 0..=random.below(3) {
                 if !file.is_empty() {
