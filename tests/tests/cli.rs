@@ -140,7 +140,7 @@ fn what_cannot_be_read_or_written_is_a_failure_that_names_the_file() -> Result<(
         ),
         (
             "render notes.ply --out a.png",
-            &["notes.ply: ", "expected 'ply'"],
+            &["notes.ply: ", "which no loader knows", "convert the file"],
         ),
         (
             "render sphere.ply --out none/a.png",

@@ -199,14 +199,15 @@ fn wipe_difference_pixels_and_zoom_work_by_pointer_and_keys() -> Result<()> {
     let state = desk.window.settle("the grid", |state| {
         state.session("comparison")["layout"] == "grid"
     })?;
-    let (x, y) = middle_of(&state, 1).context("view 2 has a place")?;
-    desk.window.point_at(x, y + 60)?;
+    // The panel lies over the active view, which is the other one.
+    let (x, y) = middle_of(&state, 0).context("view 1 has a place")?;
+    desk.window.point_at(x, y)?;
     desk.window.wait_for_state("both surfels", |state| {
         let is_there = state.shows("target depth") && state.shows("sphere, surfel ");
         is_there.then_some(())
     })?;
     desk.window.while_holding("alt", |window| {
-        window.scroll(x, y + 60, 3)?;
+        window.scroll(x, y, 3)?;
         window.wait_for_state("the pixels", |state| {
             let zoom = state.session("comparison")["zoom"].as_f64()?;
             (zoom > 1.2).then_some(())

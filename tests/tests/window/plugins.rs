@@ -71,6 +71,8 @@ fn a_renderer_in_an_added_folder_is_found_and_goes_with_it() -> Result<()> {
     let plugin = plugins::everything()?;
     let name = plugin.file_name().context("a file")?;
     std::fs::copy(&plugin, folder.join(name))?;
+    desk.scroll_settings_to("Button", "Reload plugins")?;
+    let window = &mut desk.window;
     window.click_on("Button", "Reload plugins")?;
     window.find("Button", "Set Everything aside")?;
     window.click_on("Tab", "Renderer")?;
