@@ -83,7 +83,7 @@ impl Desk {
     pub(super) fn scroll_settings_to(&mut self, role: &str, name: &str) -> Result<Widget> {
         let (width, height) = (SIZE.0.cast_signed(), SIZE.1.cast_signed());
         // The menu and the tabs above, the status bar below.
-        let (top, bottom) = (80, height - 30);
+        let (top, bottom) = (62, height - 30);
         for _ in 0..30 {
             let widget = self.window.find(role, name)?;
             let (_, middle) = widget.middle();
