@@ -3,6 +3,8 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use super::comparison::{Spread, spread};
+
 /// How far back is looked.
 const SPAN: Duration = Duration::from_secs(2);
 
@@ -33,15 +35,13 @@ impl FrameTimes {
     /// What the pictures of the last two seconds say; `None` if there were none.
     pub(crate) fn summary(&mut self, now: Instant) -> Option<FrameSummary> {
         self.forget_old(now);
-        let mut times: Vec<Duration> = self.arrivals.iter().map(|(_, time)| *time).collect();
-        times.sort_unstable();
-        let last = times.len().checked_sub(1)?;
-        let nearest_rank = |part: f64| times[((last as f64 * part).ceil() as usize).min(last)];
+        let Spread { median, p95 } = spread(self.arrivals.iter().map(|(_, time)| *time).collect())?;
+        let last = self.arrivals.len() - 1;
         let (first_at, last_at) = (self.arrivals.front()?.0, self.arrivals.back()?.0);
         let span = (last_at - first_at).as_secs_f64();
         Some(FrameSummary {
-            median: nearest_rank(0.5),
-            p95: nearest_rank(0.95),
+            median,
+            p95,
             rate: (last >= 2 && span > 0.0).then(|| last as f64 / span),
         })
     }

@@ -96,7 +96,7 @@ impl FrameLog {
 }
 
 /// By the nearest rank; `None` of nothing.
-fn spread(mut times: Vec<Duration>) -> Option<Spread> {
+pub(crate) fn spread(mut times: Vec<Duration>) -> Option<Spread> {
     times.sort_unstable();
     let last = times.len().checked_sub(1)?;
     let rank = |part: f64| times[((last as f64 * part).ceil() as usize).min(last)];

@@ -26,7 +26,7 @@ use pointstage_engine::stage::FrameResult;
 use super::app::App;
 
 pub(crate) use cells::{Cell, borders, cells, split_at};
-pub(crate) use frame_log::FrameLog;
+pub(crate) use frame_log::{FrameLog, Spread, spread};
 pub(crate) use lock::{share, unmet};
 pub(crate) use measurer::{Answer, Measurer, Numbers, Order};
 pub(crate) use overlay::{difference_legend, wipe_handle_ui};

@@ -8,9 +8,7 @@ use serde::Deserialize;
 use super::super::intent::{CompareIntent, Intents};
 use super::super::rows::Rows;
 use super::super::session::Session;
-
-/// The largest file that is read: a sweep of a thousand values has less than a megabyte.
-const MOST_BYTES: u64 = 16 << 20;
+use crate::toml_form::read_small;
 
 /// Size of the plot, points.
 const PLOT: [f32; 2] = [360.0, 240.0];
@@ -72,16 +70,7 @@ impl SweepPanel {
     /// A sentence that names the file: it cannot be read, is no sweep, or is of another format.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let name = path.display();
-        let size =
-            std::fs::metadata(path).map_err(|error| format!("{name}: cannot be read: {error}"))?;
-        if size.len() > MOST_BYTES {
-            return Err(format!(
-                "{name}: has {} bytes, a sweep at most {MOST_BYTES}; open the sweep.json that 'pointstage sweep' wrote",
-                size.len()
-            ));
-        }
-        let text =
-            std::fs::read(path).map_err(|error| format!("{name}: cannot be read: {error}"))?;
+        let text = read_small(path).map_err(|error| format!("{name}: cannot be read: {error}"))?;
         let sweep: Sweep = serde_json::from_slice(&text).map_err(|error| {
             format!(
                 "{name}: is no sweep: {error}; open the sweep.json that 'pointstage sweep' wrote"
