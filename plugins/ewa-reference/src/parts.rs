@@ -81,6 +81,8 @@ pub(crate) struct Attributes {
     pub(crate) colour: DVec3,
     /// View space, unit.
     pub(crate) normal: DVec3,
+    /// View space.
+    pub(crate) centre: DVec3,
 }
 
 impl<'a> Surfels<'a> {
@@ -276,6 +278,7 @@ impl<'a> Parts<'a> {
         Attributes {
             colour: part.surfels.colour(number),
             normal: self.lit_side(&part.surfels, normal, to_eye),
+            centre,
         }
     }
 

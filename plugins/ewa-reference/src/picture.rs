@@ -168,6 +168,7 @@ impl Picture {
                 uniform: frame.uniform(),
                 view_from_clip: parts.camera.clip_from_view.inverse(),
                 shows: wanted.shows,
+                lights_splats: wanted.lights_splats,
             };
             let tiles = level.tiles.clone();
             let count = tiles.len();

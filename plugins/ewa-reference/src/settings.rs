@@ -36,6 +36,8 @@ pub(crate) struct Wanted {
     pub(crate) cull_backs: bool,
     pub(crate) two_sided: bool,
     pub(crate) shows: Shows,
+    /// Splats are lit one by one, before they blend.
+    pub(crate) lights_splats: bool,
 }
 
 impl Wanted {
@@ -68,6 +70,7 @@ impl Wanted {
                 "normals" => Shows::Normals,
                 _ => Shows::Result,
             },
+            lights_splats: settings.choice("shading")? == "splats",
         })
     }
 }

@@ -4,7 +4,7 @@
 //! 2. *Blending*: all splats whose own depth is not behind that depth are the front surface; their colours and normals add up by
 //!    weight. This is the depth-sorted list of the paper's A-buffer, merged by its z-threshold, without the list: a surface
 //!    ends where the next one begins, at the least of depth + epsilon·radius, whatever the order.
-//! 3. *Shading*: the sums over the weight, lit once.
+//! 3. *Shading*: the sums over the weight, lit once, or lit already when splats are lit one by one.
 //!
 //! Sums run over ordinals upwards, so a picture is the same to the last bit however many threads draw it.
 
@@ -16,7 +16,7 @@ use pointstage_plugin_api::targets::kind;
 use pointstage_plugin_api::twin::lighting::phong;
 
 use crate::footprint::Footprint;
-use crate::parts::{Parts, Shape};
+use crate::parts::{Attributes, Parts, Shape};
 use crate::settings::Shows;
 use crate::triangle::Triangle;
 
@@ -73,6 +73,8 @@ pub(crate) struct Renderer<'a> {
     pub(crate) uniform: &'a FrameUniform,
     pub(crate) view_from_clip: DMat4,
     pub(crate) shows: Shows,
+    /// Splats are lit one by one, before they blend.
+    pub(crate) lights_splats: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -213,7 +215,7 @@ impl Renderer<'_> {
             let Some(share) = footprint.share(position) else {
                 return;
             };
-            let attributes = attributes.get_or_insert_with(|| self.parts.attributes(ordinal));
+            let attributes = attributes.get_or_insert_with(|| self.attributes(ordinal));
             let sum = &mut sums[index];
             sum.colour += share.weight * attributes.colour;
             sum.normal += share.weight * attributes.normal;
@@ -270,6 +272,24 @@ impl Renderer<'_> {
         }
     }
 
+    /// What a splat blends: lit, if splats are lit one by one.
+    fn attributes(&self, ordinal: u32) -> Attributes {
+        let attributes = self.parts.attributes(ordinal);
+        if !self.lights_splats {
+            return attributes;
+        }
+        let (part, _) = self.parts.find(ordinal);
+        let Attributes {
+            colour,
+            normal,
+            centre,
+        } = attributes;
+        Attributes {
+            colour: self.lit(part.surfels.material, colour, centre, normal),
+            ..attributes
+        }
+    }
+
     fn triangle(&self, ordinal: u32) -> Option<Shape> {
         self.parts
             .is_triangle(ordinal)
@@ -277,6 +297,9 @@ impl Renderer<'_> {
     }
 
     fn splat_colour(&self, position: DVec2, depth: f64, ordinal: u32, sums: &Sums) -> DVec3 {
+        if self.lights_splats {
+            return sums.colour / sums.weight;
+        }
         let point = self.point(position, depth);
         let normal = self.blended_normal(sums, point);
         let (part, _) = self.parts.find(ordinal);

@@ -2,7 +2,7 @@
 
 use crate::cpu::{Look, Picture};
 use crate::passes::{Passes, Sums as Layout};
-use crate::settings::Wanted;
+use crate::settings::{LIT_SPLATS, Wanted};
 use pointstage_plugin_api::abi::{self, BindingRecord, BufferUsage, Format, Handle};
 use pointstage_plugin_api::gpu::{
     AsHandle, BindGroup, BindGroupLayout, Buffer, ColourAttachment, DepthAttachment, Gpu, Recorder,
@@ -111,6 +111,8 @@ impl BlendedView {
             (_, Source::Ids) => Layout::Textures,
         };
         if layout != Layout::Resolved {
+            let lit = wanted.look.filter(|look| *look == LIT_SPLATS);
+            let features: Vec<_> = features.iter().copied().chain(lit).collect();
             self.record_attributes(passes, frame, &list, &visible, &features, &mut recorder)?;
         }
         let set = match visible.source {
@@ -155,6 +157,7 @@ impl BlendedView {
             culls_backs: wanted.culls_backs,
             filters: wanted.filters,
             is_flat: wanted.look == Some("flat_normals"),
+            lights: (wanted.look == Some(LIT_SPLATS)).then(|| *frame.uniform()),
         };
         let reached = self
             .picture

@@ -18,6 +18,9 @@ pub(crate) struct SplatUniform {
     pub(crate) outline: f32,
 }
 
+/// Feature of the attribute and the shading pass: splats are lit before they blend.
+pub(crate) const LIT_SPLATS: &str = "lit_splats";
+
 /// How the user wants a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wanted {
@@ -69,6 +72,7 @@ fn look_of(shows: &str, shading: &str) -> Option<&'static str> {
         ("normals", _) => Some("shows_normals"),
         ("weight", _) => Some("shows_weight"),
         ("depth", _) => Some("shows_depth"),
+        (_, "splats") => Some(LIT_SPLATS),
         (_, "flat") => Some("flat_normals"),
         (_, "toon") => Some("toon"),
         _ => Some("phong"),

@@ -10,19 +10,21 @@ use pointstage_visibility::{TargetSet, linked_variants};
 use shader_checks::{assert_manifest, assert_variants, validated};
 
 /// Of the shading pass.
-const LOOKS: [&[&str]; 7] = [
+const LOOKS: [&[&str]; 8] = [
     &[],
     &["phong"],
+    &["lit_splats"],
     &["flat_normals"],
     &["toon"],
     &["shows_normals"],
     &["shows_weight"],
     &["shows_depth"],
 ];
-const FEATURES: [&[&str]; 5] = [
+const FEATURES: [&[&str]; 6] = [
     &[],
     &["low_pass"],
     &["low_pass", "cull_backs", "direct"],
+    &["low_pass", "lit_splats"],
     &["clipped"],
     &["low_pass", "clipped", "direct"],
 ];

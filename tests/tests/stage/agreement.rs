@@ -99,13 +99,14 @@ fn all_paths_of_surfel_agree() {
 #[test]
 fn all_paths_of_hqss_agree() {
     let Some(mut stage) = stage() else { return };
-    let variants: [&[Setting]; 6] = [
+    let variants: [&[Setting]; 7] = [
         &[],
         &[("filter", SettingValue::Bool(false))],
         &[
             ("shading", choice("flat")),
             ("cull_backs", SettingValue::Bool(true)),
         ],
+        &[("shading", choice("splats"))],
         &[("shading", choice("toon"))],
         &[("shows", choice("normals"))],
         &[

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use pointstage_engine::stage::{FrameRequest, FrameResult, Plane, SettingValue, Stage};
 use pointstage_plugin_api::columns::TangentAxes;
-use pointstage_scene::{Camera, Scene};
+use pointstage_scene::{Camera, Headlight, Material, Scene};
 use pointstage_tests::models::{Random, Surfel, ball, coloured, object};
 use pointstage_tests::shots::{
     NEAR, SIZE_PX, Setting, blended, both_paths, choice, draw, floats, orthographic, perspective,
@@ -363,6 +363,41 @@ fn lights_and_normals_blend_between_splats() {
         psnr(&smooth, &flat) < 45.0,
         "the shading model changes the picture"
     );
+}
+
+/// A roof of slopes finer than pixels, under a light from above: its mean light is that of the slopes, which their mean normal does
+/// not tell.
+#[test]
+fn splats_lit_one_by_one_have_the_mean_light_of_their_normals() {
+    let Some(mut stage) = stage() else { return };
+    let (kd, slope) = (0.8, 60_f32.to_radians());
+    let mut surfels = square(100_000, 0.004);
+    for (number, surfel) in surfels.iter_mut().enumerate() {
+        let side = if number % 2 == 0 { slope } else { -slope };
+        surfel.normal = Vec3::new(side.sin(), 0.0, side.cos());
+    }
+    let mut object = coloured("roof", &surfels, |_| Vec3::ONE);
+    object.material = Material {
+        ka: 0.0,
+        kd,
+        ks: 0.0,
+        ..Material::default()
+    };
+    let scene = scene_of(object);
+    let camera = orthographic(DVec3::new(0.0, 0.0, 3.0), 2.0);
+    for (shading, expected) in [("phong", kd), ("splats", kd * slope.cos())] {
+        let mut request = hqss(&scene, camera, &[("shading", choice(shading))]);
+        request.lights.headlight = Headlight {
+            enabled: true,
+            strength: 1.0,
+        };
+        for result in blended(&mut stage, &request) {
+            let [red, coverage] = red_and_coverage(&result);
+            let found = red / coverage;
+            let error = (found / f64::from(expected) - 1.0).abs();
+            assert!(error < 0.02, "{shading}: {found} instead of {expected}");
+        }
+    }
 }
 
 #[test]

@@ -86,7 +86,7 @@ const COMPARISONS: &[Comparison] = &[
         name: "truth",
         title: "Against the mesh itself, 16 samples a pixel",
         reference: "ewa-reference:surface=triangles:samples=4:filter=false",
-        renderers: "hqss,hqss:cull_backs=true,surfel,points:size_mode=attenuated,ewa-reference",
+        renderers: "hqss,hqss:cull_backs=true,hqss:shading=splats,hqss:shading=splats:cull_backs=true,surfel,points:size_mode=attenuated,ewa-reference",
         models: &[DRAGON, BRAIN],
         distances: &[MIDDLE],
     },

@@ -2,12 +2,17 @@
 //! `attributes_compute.wesl`.
 
 use super::footprint::{Footprints, RAMP_PX, Splat, WITHIN_PIXEL_PX};
+use pointstage_plugin_api::FrameUniform;
 use pointstage_plugin_api::clip::ClipLines;
-use pointstage_plugin_api::glam::{Vec3, Vec4};
+use pointstage_plugin_api::glam::{Vec3, Vec4, Vec4Swizzles as _};
+use pointstage_plugin_api::twin::lighting::phong;
 use pointstage_visibility::cpu::{
-    LANES, Sum, clip_distance, clip_keeps, depth_of, exp_near_zero, id_of, sqrt,
+    LANES, Sum, Surfels, clip_distance, clip_keeps, depth_of, exp_near_zero, id_of, sqrt,
 };
 use std::sync::LazyLock;
+
+/// What lit colours are blended as a share of, as in the shader.
+const BRIGHTEST: f32 = 4.0;
 
 /// No splat weighs less where it has a part, as in the shader.
 const LEAST_WEIGHT: f32 = 0.004;
@@ -41,6 +46,10 @@ impl Attributes {
                 None => Vec4::from_array(surfels.uniform().default_colour),
             }
         });
+        let colour = match (&footprints.look.lights, surfels) {
+            (Some(lights), Some(surfels)) => lit(colour, splat, surfels, lights),
+            _ => colour,
+        };
         let colour = colour.clamp(Vec4::ZERO, Vec4::ONE);
         Self {
             colour: colour.with_w(1.0),
@@ -49,6 +58,14 @@ impl Attributes {
             lines: surfels.and_then(|surfels| footprints.lines_of(surfels, splat)),
         }
     }
+}
+
+/// The colour, lit, as a share of [`BRIGHTEST`].
+fn lit(colour: Vec4, splat: &Splat, surfels: &Surfels<'_>, lights: &FrameUniform) -> Vec4 {
+    let centre = surfels.load(&[splat.number]).centre_view.lane(0);
+    let [centre, normal, colour] = [centre, splat.normal, colour.xyz()].map(Vec3::as_dvec3);
+    let light = phong(lights, surfels.uniform().material, colour, centre, normal);
+    (light.as_vec3() / BRIGHTEST).extend(1.0)
 }
 
 /// Adds a splat's shares to the pixels of a row, from the area's first column on, where it is not behind the visible surface.

@@ -18,6 +18,7 @@ use self::blend::{Attributes, blend};
 use self::footprint::{Footprints, Splat};
 use self::resolve::{cover, resolve};
 use crate::settings::SplatUniform;
+use pointstage_plugin_api::FrameUniform;
 use pointstage_visibility::cpu::{
     BAND_ROWS, Bins, LANES, Nearest, NearestBand, Rectangle, Stage, Sums, share_out,
 };
@@ -51,13 +52,15 @@ struct Bench {
 }
 
 /// How splats are drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Look {
     pub(crate) uniform: SplatUniform,
     pub(crate) culls_backs: bool,
     pub(crate) filters: bool,
     /// Whether pixels are lit with the front splat's normal.
     pub(crate) is_flat: bool,
+    /// The frame's, if splats are lit before they blend.
+    pub(crate) lights: Option<FrameUniform>,
 }
 
 /// What a thread draws: rows of the picture.
