@@ -384,8 +384,11 @@ fn splats_lit_one_by_one_have_the_mean_light_of_their_normals() {
         ..Material::default()
     };
     let scene = scene_of(object);
-    let camera = orthographic(DVec3::new(0.0, 0.0, 3.0), 2.0);
-    for (shading, expected) in [("phong", kd), ("splats", kd * slope.cos())] {
+    // Some sixty splats a pixel: their mean normal faces the eye.
+    let camera = orthographic(DVec3::new(0.0, 0.0, 3.0), 6.0);
+    // A pixel's mean normal leans by chance, a few degrees; light of each splat does not.
+    let cases = [("phong", kd, 0.03), ("splats", kd * slope.cos(), 0.005)];
+    for (shading, expected, most) in cases {
         let mut request = hqss(&scene, camera, &[("shading", choice(shading))]);
         request.lights.headlight = Headlight {
             enabled: true,
@@ -395,7 +398,7 @@ fn splats_lit_one_by_one_have_the_mean_light_of_their_normals() {
             let [red, coverage] = red_and_coverage(&result);
             let found = red / coverage;
             let error = (found / f64::from(expected) - 1.0).abs();
-            assert!(error < 0.02, "{shading}: {found} instead of {expected}");
+            assert!(error < most, "{shading}: {found} instead of {expected}");
         }
     }
 }
