@@ -36,7 +36,7 @@ pub(crate) struct Wanted {
     pub(crate) cull_backs: bool,
     pub(crate) two_sided: bool,
     pub(crate) shows: Shows,
-    /// Splats are lit one by one, before they blend.
+    /// Splats are lit one by one, before they blend; never if what is shown is not lit.
     pub(crate) lights_splats: bool,
 }
 
@@ -70,7 +70,8 @@ impl Wanted {
                 "normals" => Shows::Normals,
                 _ => Shows::Result,
             },
-            lights_splats: settings.choice("shading")? == "splats",
+            lights_splats: settings.choice("shading")? == "splats"
+                && settings.choice("shows")? == "result",
         })
     }
 }
