@@ -26,7 +26,7 @@ pub struct ObjectChange {
     pub id: ObjectId,
     /// Its origin or transform differs.
     pub moved: bool,
-    /// Its material differs.
+    /// Its material or its radius scale differs.
     pub material: bool,
     /// Its visibility or selection differs.
     pub flags: bool,
@@ -93,7 +93,8 @@ impl ObjectChange {
             id: later.id,
             moved: earlier.origin != later.origin
                 || earlier.world_from_object != later.world_from_object,
-            material: earlier.material != later.material,
+            material: earlier.material != later.material
+                || earlier.radius_scale != later.radius_scale,
             flags: (earlier.visible, earlier.selected) != (later.visible, later.selected),
             columns: column_changes(&earlier.geometry, &later.geometry),
         };

@@ -226,28 +226,36 @@ impl Geometry {
 
     /// Bytes of all columns and triangles.
     pub fn byte_count(&self) -> usize {
-        let column_bytes = |block: &Block| {
-            size_of_val(&*block.position_radius)
-                + block
-                    .normal
-                    .as_ref()
-                    .map_or(0, |column| size_of_val(&**column))
-                + block
-                    .colour
-                    .as_ref()
-                    .map_or(0, |column| size_of_val(&**column))
-                + block
-                    .axes
-                    .as_ref()
-                    .map_or(0, |column| size_of_val(&**column))
-                + block
-                    .named
-                    .iter()
-                    .map(|column| column.bytes.len())
-                    .sum::<usize>()
+        self.columns().map(|(_, bytes)| bytes).sum()
+    }
+
+    /// Address and size in bytes of every column and of the triangles. Geometries that share a column give the same
+    /// address for it.
+    pub fn columns(&self) -> impl Iterator<Item = (usize, usize)> {
+        fn part<T>(column: &Arc<[T]>) -> (usize, usize) {
+            (column.as_ptr().addr(), size_of_val(&**column))
+        }
+        let of_block = |block: &Block| {
+            let Block {
+                position_radius,
+                normal,
+                colour,
+                axes,
+                named,
+            } = block;
+            let standard = [
+                Some(part(position_radius)),
+                normal.as_ref().map(part),
+                colour.as_ref().map(part),
+                axes.as_ref().map(part),
+            ];
+            let named: Vec<_> = named.iter().map(|column| part(&column.bytes)).collect();
+            standard.into_iter().flatten().chain(named)
         };
-        self.blocks.iter().map(column_bytes).sum::<usize>()
-            + self.triangle_count() * size_of::<[u32; 3]>()
+        self.blocks
+            .iter()
+            .flat_map(of_block)
+            .chain(self.triangles.as_ref().map(part))
     }
 
     /// Takes a new revision; call after changing anything.

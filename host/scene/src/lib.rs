@@ -11,12 +11,14 @@
 mod bounds;
 mod camera;
 mod changes;
+mod edit;
 pub mod estimate;
 mod geometry;
 mod job;
 mod light;
 mod light_by_hand;
 mod load;
+mod moved;
 mod save;
 mod scene;
 mod warnings;
@@ -27,6 +29,7 @@ pub use camera::{
     ViewSourceError, orbit_cameras,
 };
 pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};
+pub use edit::{MergeError, Placement, duplicate, merge};
 pub use geometry::{Block, Geometry, NamedColumn, Origins, Provenance, ScalarType};
 pub use job::{Cancelled, Job};
 pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};

@@ -42,14 +42,20 @@ pub struct Object {
     pub origin: DVec3,
     /// Where it stands: `world = world_from_object · (origin + local)`.
     pub world_from_object: DAffine3,
+    /// Where its file puts it: the `world_from_object` that it came with.
+    pub placed: DAffine3,
     /// How it takes light.
     pub material: Material,
+    /// Factor on the radii and axes of its surfels as they are drawn, above 0; the columns keep theirs.
+    pub radius_scale: f32,
     /// Is it drawn?
     pub visible: bool,
     /// Is it marked?
     pub selected: bool,
     /// Its surfels.
     pub geometry: Arc<Geometry>,
+    /// The revision of the surfels that its file gave; see [`is_as_in_file`](Self::is_as_in_file).
+    pub loaded: Option<Revision>,
     /// Changes with every change of the above through [`Scene::edit`].
     pub revision: Revision,
 }
@@ -109,17 +115,44 @@ impl Object {
             loader: None,
             origin,
             world_from_object: DAffine3::IDENTITY,
+            placed: DAffine3::IDENTITY,
             material: Material::default(),
+            radius_scale: 1.0,
             visible: true,
             selected: false,
+            loaded: None,
             geometry: Arc::new(geometry),
             revision: Revision::next(),
         }
     }
 
+    /// Whether its file holds its surfels: nobody has made others of them since they were read.
+    pub fn is_as_in_file(&self) -> bool {
+        self.source.is_some() && self.loaded == Some(self.geometry.revision)
+    }
+
+    /// Centre of its box, in its own coordinates: what it turns and grows about.
+    pub fn pivot(&self) -> DVec3 {
+        self.origin + self.geometry.bounds.centre()
+    }
+
     /// Map from the columns' positions to the world: `world_from_object` after the shift by `origin`.
     pub fn world_from_local(&self) -> DAffine3 {
         self.world_from_object * DAffine3::from_translation(self.origin)
+    }
+
+    /// Whether the two look the same and share their surfels, whatever their revisions.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.id == other.id
+            && self.name == other.name
+            && self.source == other.source
+            && self.loader == other.loader
+            && self.origin == other.origin
+            && self.world_from_object == other.world_from_object
+            && self.material == other.material
+            && self.radius_scale == other.radius_scale
+            && (self.visible, self.selected) == (other.visible, other.selected)
+            && Arc::ptr_eq(&self.geometry, &other.geometry)
     }
 
     /// Box around the object in the world.
@@ -179,6 +212,34 @@ impl Scene {
         Some(answer)
     }
 
+    /// Puts the objects of `then`, in their order, in the place of these: undo and redo. Those that differ take new
+    /// revisions, since a later state has greater ones.
+    pub fn turn_to(&mut self, then: &Self) {
+        if self.revision == then.revision {
+            return;
+        }
+        let objects = then.objects.iter().map(|object| {
+            let now = self.object(object.id).filter(|now| now.is_like(object));
+            now.cloned().unwrap_or_else(|| Object {
+                revision: Revision::next(),
+                ..object.clone()
+            })
+        });
+        self.objects = objects.collect();
+        self.revision = Revision::next();
+    }
+
+    /// Whether both have the same objects in the same order, whatever their revisions.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.revision == other.revision
+            || (self.objects.len() == other.objects.len()
+                && self
+                    .objects
+                    .iter()
+                    .zip(&other.objects)
+                    .all(|(one, other)| one.is_like(other)))
+    }
+
     /// Box around all visible objects, in the world.
     pub fn bounds_world(&self) -> Bounds {
         self.objects
@@ -231,6 +292,21 @@ mod tests {
         object.world_from_object = DAffine3::from_scale(DVec3::splat(2.0));
         let bounds = object.bounds_world();
         assert_eq!((bounds.min.x, bounds.max.x), (1_000_000.5, 1_000_000.5));
+    }
+
+    #[test]
+    fn turning_back_brings_objects_and_looks_back_under_greater_revisions() {
+        let mut scene = Scene::new();
+        let [first, second] = [1.0, 2.0].map(|x| scene.add(point_at(x)));
+        let then = scene.clone();
+        scene.remove(first);
+        scene.edit(second, |object| object.radius_scale = 2.0);
+        let now = scene.clone();
+        scene.turn_to(&then);
+        assert!(scene.is_like(&then) && !scene.is_like(&now));
+        assert!(scene.revision() > now.revision());
+        let revision = |scene: &Scene| scene.object(second).map(|object| object.revision);
+        assert!(revision(&scene) > revision(&now));
     }
 
     #[test]

@@ -62,7 +62,7 @@ pub struct FrameUniform {
     pub far: f32,
     /// 0 perspective, 1 orthographic.
     pub is_orthographic: u32,
-    /// Factor for every surfel's radius and axes.
+    /// Factor for every surfel's radius and axes; an object's own factor stands in [`DrawUniform`].
     pub radius_scale: f32,
     pub light_count: u32,
     pub frame_index: u32,
@@ -105,11 +105,13 @@ pub struct DrawUniform {
     /// Computed in f64 by the host, so that objects far from the world's origin do not jitter.
     pub view_from_object: [[f32; 4]; 4],
     pub object_from_view: [[f32; 4]; 4],
-    /// For normals: the inverse transpose of the upper 3×3.
+    /// For normals: the inverse transpose of the upper 3×3. The last element is the object's radius scale, 1 unless the
+    /// user says otherwise: half-axes in object space = columns · this · the frame's `radius_scale`.
     pub view_from_object_normal: [[f32; 4]; 4],
     /// ka, kd, ks, shininess.
     pub material: [f32; 4],
-    /// Largest scale of `view_from_object`: radius in view space = radius · this · `radius_scale`.
+    /// Largest scale of `view_from_object` times the object's radius scale: radius in view space = radius · this · the
+    /// frame's `radius_scale`.
     pub radius_factor: f32,
     /// First surfel, or first entry of the index buffer.
     pub first: u32,
@@ -126,6 +128,13 @@ pub struct DrawUniform {
     pub error: f32,
     /// Linear RGBA where the scene has no colour.
     pub default_colour: [f32; 4],
+}
+
+impl DrawUniform {
+    /// The object's radius scale.
+    pub fn object_radius_scale(&self) -> f32 {
+        self.view_from_object_normal[3][3]
+    }
 }
 
 /// One draw of the selection.

@@ -18,6 +18,8 @@ pub(crate) struct Surfels<'a> {
     view_from_object: DMat4,
     normal_matrix: DMat3,
     radius_factor: f64,
+    /// The object's.
+    radius_scale: f64,
     pub(crate) material: [f32; 4],
     two_sided: bool,
     pub(crate) level: u32,
@@ -100,6 +102,7 @@ impl<'a> Surfels<'a> {
             view_from_object: matrix(&uniform.view_from_object),
             normal_matrix: DMat3::from_mat4(matrix(&uniform.view_from_object_normal)),
             radius_factor: f64::from(uniform.radius_factor),
+            radius_scale: f64::from(uniform.object_radius_scale()),
             material: uniform.material,
             two_sided: has(DrawFlags::TWO_SIDED),
             level: uniform.level.round() as u32,
@@ -138,26 +141,28 @@ impl<'a> Surfels<'a> {
         })
     }
 
-    /// Half-axes in view space, with the frame's factor.
+    /// Half-axes in view space, with the frame's factor `scale` and the object's.
     fn axes_view(&self, number: u32, centre_view: DVec3, camera: &Camera, scale: f64) -> Axes {
         let direction = |axis: DVec3| self.view_from_object.transform_vector3(axis);
+        let own_scale = scale * self.radius_scale;
         if let Some(axes) = self.axes {
             let [ux, uy, uz, _, vx, vy, vz, _] = axes[number as usize].map(f64::from);
             return Axes {
-                u: direction(DVec3::new(ux, uy, uz) * scale),
-                v: direction(DVec3::new(vx, vy, vz) * scale),
+                u: direction(DVec3::new(ux, uy, uz) * own_scale),
+                v: direction(DVec3::new(vx, vy, vz) * own_scale),
             };
         }
-        let radius = f64::from(self.centres[number as usize][3]) * scale;
+        let radius = f64::from(self.centres[number as usize][3]);
         let packed = self.packed_normal(number);
         if packed == NO_NORMAL {
             let (u, v) = camera.towards_eye(centre_view).any_orthonormal_pair();
-            let radius = radius * self.radius_factor;
+            let radius = radius * scale * self.radius_factor;
             return Axes {
                 u: u * radius,
                 v: v * radius,
             };
         }
+        let radius = radius * own_scale;
         let normal = decode_normal(packed).as_dvec3();
         let (u, v) = normal.any_orthonormal_pair();
         Axes {
@@ -256,7 +261,7 @@ impl<'a> Parts<'a> {
         let scale = self.radius_scale * self.kernel.scale;
         let axes = surfels.axes_view(number, centre, &self.camera, scale);
         let footprint = Footprint::new(&self.camera, &self.kernel, centre, axes, faces_away)?;
-        let unit = (scale * self.kernel.cutoff) as f32;
+        let unit = (scale * surfels.radius_scale * self.kernel.cutoff) as f32;
         Some(match &surfels.clips {
             Some(clips) => footprint.cut_off(scaled_clip_lines(clips.lines(number), unit)),
             None => footprint,

@@ -17,7 +17,7 @@ use super::history::History;
 use super::host_times::HostTimes;
 use super::inspector::Inspector;
 use super::intent::{FileIntent, Intents, OpenMode, Tab};
-use super::loading::{Arrival, Batch, Finished, arrive};
+use super::loading::{Arrival, Batch, Finished, Place, arrive};
 use super::log::Log;
 use super::memory::Memory;
 use super::navigation::{Navigator, take_flying_keys};
@@ -200,7 +200,11 @@ impl App {
 
     fn take_finished_tasks(&mut self) {
         let now = Instant::now();
-        for finished in self.tasks.take_finished() {
+        let finished = self.tasks.take_finished();
+        if adds_to(self.shown_batch, &finished) {
+            self.history.join_next();
+        }
+        for finished in finished {
             match finished {
                 Finished::Loaded(loaded, place) => {
                     self.remembered.note_loaded(&loaded, place);
@@ -335,6 +339,16 @@ impl App {
             self.title = title;
         }
     }
+}
+
+/// Whether all objects that came are of files that were opened with those of `batch`, which the scene shows.
+fn adds_to(batch: Option<Batch>, finished: &[Finished]) -> bool {
+    let places = finished.iter().filter_map(|finished| match finished {
+        Finished::Loaded(_, Place::New(batch, _)) => Some(*batch),
+        _ => None,
+    });
+    let places: Vec<Batch> = places.collect();
+    !places.is_empty() && places.iter().all(|of| Some(*of) == batch)
 }
 
 /// Files dropped since the last pass are opened, with Shift added.

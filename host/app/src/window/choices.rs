@@ -1,12 +1,13 @@
-//! All that the settings panel changes, apart from the scene's columns: what undo and redo bring back.
+//! All that the settings panel changes, and the scene's objects: what undo and redo bring back.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use pointstage_engine::stage::SettingValues;
 use pointstage_plugin_api::settings_schema::SettingSchema;
-use pointstage_scene::{Bounds, Lights, Material, Object, ObjectId, Projection};
+use pointstage_scene::{Bounds, Lights, Material, Projection};
 
 use super::comparison::Comparison;
+use super::object_choices::ObjectChoices;
 use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
 use super::rows::Rows;
@@ -21,7 +22,7 @@ pub(crate) struct Choices {
     presets: Presets,
     material: Material,
     pacing: Pacing,
-    objects: BTreeMap<ObjectId, ObjectChoices>,
+    objects: ObjectChoices,
 }
 
 /// What the user has chosen for one view.
@@ -42,14 +43,6 @@ struct PaneChoices {
 enum Lens {
     Perspective { fov_y_rad: f64 },
     Orthographic,
-}
-
-/// What the panel changes of an object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct ObjectChoices {
-    visible: bool,
-    selected: bool,
-    material: Material,
 }
 
 /// One thing that differs between two snapshots.
@@ -96,10 +89,27 @@ pub(crate) enum Field {
     Views,
     /// How views are compared.
     Comparison,
+    /// Objects that came or went, in words.
+    Objects(String),
+    /// The surfels of an object.
+    Surfels,
+    /// What an object is called.
+    ObjectName,
+    /// Where an object stands.
+    Transform,
+    /// The radius scale of an object.
+    ObjectRadiusScale,
     /// Which objects are drawn.
     Visibility,
     /// Which objects are selected.
     Selection,
+}
+
+impl Field {
+    /// Whether a change of this kind is done at once: the next one is a step of its own, however soon it comes.
+    pub(super) fn is_done_at_once(&self) -> bool {
+        matches!(self, Self::Objects(_) | Self::Surfels)
+    }
 }
 
 impl Lens {
@@ -107,16 +117,6 @@ impl Lens {
         match projection {
             Projection::Perspective { fov_y_rad } => Self::Perspective { fov_y_rad },
             Projection::Orthographic { .. } => Self::Orthographic,
-        }
-    }
-}
-
-impl ObjectChoices {
-    fn of(object: &Object) -> Self {
-        Self {
-            visible: object.visible,
-            selected: object.selected,
-            material: object.material,
         }
     }
 }
@@ -214,27 +214,24 @@ impl PaneChoices {
 impl Choices {
     /// What the session holds now.
     pub(crate) fn of(session: &Session) -> Self {
-        let objects = session.scene.objects().iter();
         Self {
             panes: session.panes.iter().map(PaneChoices::of).collect(),
             comparison: session.comparison.clone(),
             presets: session.presets.clone(),
             material: session.material,
             pacing: session.pacing,
-            objects: objects
-                .map(|object| (object.id, ObjectChoices::of(object)))
-                .collect(),
+            objects: ObjectChoices::of(session),
         }
     }
 
-    /// Gives the session these choices, and as many views as it had with them. Objects that have come since keep theirs;
-    /// what has gone stays away.
+    /// Gives the session these choices, with as many views and the objects that it had with them.
     pub(crate) fn restore(&self, session: &mut Session) {
         while session.panes.count() < self.panes.len() {
             let pane = session.panes.active.clone();
             session.panes.push(pane);
         }
         session.panes.truncate(self.panes.len());
+        self.objects.restore(session);
         let bounds = session.scene.bounds_world();
         for (pane, choices) in session.panes.iter_mut().zip(&self.panes) {
             choices.restore(pane, &bounds);
@@ -243,33 +240,24 @@ impl Choices {
         session.presets.clone_from(&self.presets);
         session.material = self.material;
         session.pacing = self.pacing;
-        let now = session.scene.objects().iter();
-        let changed: Vec<(ObjectId, ObjectChoices)> = now
-            .filter_map(|object| {
-                let then = *self.objects.get(&object.id)?;
-                (then != ObjectChoices::of(object)).then_some((object.id, then))
-            })
-            .collect();
-        if changed.is_empty() {
-            return;
-        }
-        session.edit_scene(|scene| {
-            for (id, then) in changed {
-                scene.edit(id, |object| {
-                    let ObjectChoices {
-                        visible,
-                        selected,
-                        material,
-                    } = then;
-                    (object.visible, object.selected) = (visible, selected);
-                    object.material = material;
-                });
-            }
-        });
     }
 
-    /// What is not as it was in `before`, in order, each once whichever views it is of. Objects count that both have: files
-    /// that came or went are no choice.
+    /// Takes the objects of another snapshot for its own.
+    pub(crate) fn adopt_objects(&mut self, other: &Self) {
+        self.objects = other.objects.clone();
+    }
+
+    /// Whether there are objects.
+    pub(crate) fn has_objects(&self) -> bool {
+        !self.objects.is_empty()
+    }
+
+    /// Address and size of every column of its objects, bytes.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.objects.columns()
+    }
+
+    /// What is not as it was in `before`, in order, each once whichever views it is of.
     pub(crate) fn differences(&self, before: &Self) -> Vec<Field> {
         let mut fields = Vec::new();
         let mut note = |differs: bool, field: Field| {
@@ -285,30 +273,14 @@ impl Choices {
             pane.note_differences(old, &mut note);
         }
         note(self.comparison != before.comparison, Field::Comparison);
-        let both = || {
-            let now = self.objects.iter();
-            now.filter_map(|(id, object)| Some((object, before.objects.get(id)?)))
-        };
-        note(
-            self.material != before.material
-                || both().any(|(now, then)| now.material != then.material),
-            Field::Material,
-        );
+        note(self.material != before.material, Field::Material);
         note(self.pacing != before.pacing, Field::Pacing);
-        note(
-            both().any(|(now, then)| now.visible != then.visible),
-            Field::Visibility,
-        );
-        note(
-            both().any(|(now, then)| now.selected != then.selected),
-            Field::Selection,
-        );
+        self.objects.note_differences(&before.objects, &mut note);
         fields
     }
 
     /// Whether these are the session's choices. Cheap: it is asked every pass.
     pub(crate) fn are_of(&self, session: &Session) -> bool {
-        let objects = session.scene.objects();
         let panes = session.panes.iter().zip(&self.panes);
         self.panes.len() == session.panes.count()
             && panes.into_iter().all(|(pane, then)| then.are_of(pane))
@@ -316,11 +288,7 @@ impl Choices {
             && self.presets == session.presets
             && self.material == session.material
             && self.pacing == session.pacing
-            && self.objects.len() == objects.len()
-            && objects.iter().all(|object| {
-                let then = self.objects.get(&object.id);
-                then == Some(&ObjectChoices::of(object))
-            })
+            && self.objects.are_of(session)
     }
 
     /// Whether no renderer has been chosen yet: the window has just opened.
@@ -406,6 +374,11 @@ fn name_of(field: &Field, rows: &Rows) -> String {
         Field::Lens => "Projection",
         Field::Views => "Views",
         Field::Comparison => "Comparison",
+        Field::Objects(words) => words,
+        Field::Surfels => "Surfels",
+        Field::ObjectName => "Name",
+        Field::Transform => "Position",
+        Field::ObjectRadiusScale => "Radius scale of objects",
         Field::Visibility => "Visibility",
         Field::Selection => "Selection",
     };

@@ -1,14 +1,18 @@
 //! Undo and redo: snapshots of what the user has chosen, one a gesture.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::time::{Duration, Instant};
 
 use super::choices::{Choices, Field, in_words};
 use super::rows::Rows;
 use super::session::Session;
 
-/// The most steps that can be undone. A snapshot has a few kilobytes.
+/// The most steps that can be undone. A snapshot has a few kilobytes, besides columns that it shares with the scene.
 const MOST_STEPS: usize = 200;
+
+/// The most memory for surfels that the scene does not hold any more and a step can bring back, bytes; the steps
+/// farthest away are forgotten for it.
+pub(crate) const MOST_HELD_BYTES: usize = 1 << 30;
 
 /// Changes of the same things that come within this time are one step: a wheel over a number, a held arrow key.
 const PAUSE: Duration = Duration::from_millis(700);
@@ -24,6 +28,10 @@ pub(crate) struct History {
     undone: Vec<Step>,
     /// The step that may still grow.
     open: Option<Open>,
+    /// Whether there have ever been objects.
+    has_had_objects: bool,
+    /// Whether the next change belongs to what came before it.
+    is_joining: bool,
 }
 
 /// One step.
@@ -51,23 +59,43 @@ impl History {
             open.is_held &= is_held;
         }
         let Some(present) = &self.present else {
-            self.present = Some(Choices::of(session));
+            let present = Choices::of(session);
+            self.has_had_objects = present.has_objects();
+            self.present = Some(present);
             return;
         };
         if present.are_of(session) {
             return;
         }
         let after = Choices::of(session);
-        let fields = after.differences(present);
-        // Nobody chose the first renderer, and files that come and go are no choice.
-        if fields.is_empty() || present.is_without_renderer() {
+        // Nobody goes back to before the first files.
+        let joins = std::mem::take(&mut self.is_joining);
+        let is_first = !self.has_had_objects && after.has_objects();
+        self.has_had_objects |= is_first;
+        if is_first || (joins && self.done.is_empty()) {
+            self.adopt_objects(&after);
+        }
+        let fields = match &self.present {
+            Some(present) => after.differences(present),
+            None => Vec::new(),
+        };
+        // Nobody chose the first renderer.
+        let is_unchosen = self
+            .present
+            .as_ref()
+            .is_none_or(Choices::is_without_renderer);
+        if fields.is_empty() || is_unchosen {
             self.present = Some(after);
             return;
         }
         let before = self.present.replace(after.clone());
         self.undone.clear();
+        let is_at_once = fields.iter().any(Field::is_done_at_once);
         let grows = self.open.as_ref().is_some_and(|open| {
-            open.fields == fields && (open.is_held || now < open.until) && !self.done.is_empty()
+            let is_soon = open.is_held || now < open.until;
+            let is_more = open.fields == fields && is_soon && !is_at_once;
+            let both_are_objects = is_at_once && open.fields.iter().any(Field::is_done_at_once);
+            !self.done.is_empty() && (is_more || (joins && both_are_objects))
         });
         if !grows && let Some(choices) = before {
             let title = in_words(&fields, rows);
@@ -89,6 +117,50 @@ impl History {
             }
             is_back
         });
+        if is_at_once {
+            self.forget_beyond(MOST_HELD_BYTES);
+        }
+    }
+
+    /// Says that the next change belongs to the last step: one more file of several that were opened together.
+    pub(crate) fn join_next(&mut self) {
+        self.is_joining = true;
+    }
+
+    /// Gives every snapshot these objects: there is no way back to before them.
+    fn adopt_objects(&mut self, after: &Choices) {
+        let steps = self.done.iter_mut().chain(&mut self.undone);
+        let snapshots = steps.map(|step| &mut step.choices).chain(&mut self.present);
+        snapshots.for_each(|choices| choices.adopt_objects(after));
+    }
+
+    /// Forgets steps until those that are left hold so many bytes that the scene does not: what could be made again first,
+    /// the farthest steps first.
+    fn forget_beyond(&mut self, most_bytes: usize) {
+        while self.held_bytes() > most_bytes {
+            if self.undone.is_empty() {
+                self.done.pop_front();
+            } else {
+                self.undone.remove(0);
+            }
+        }
+        if self.done.is_empty() {
+            self.open = None;
+        }
+    }
+
+    /// Bytes of columns that steps hold and the present does not.
+    fn held_bytes(&self) -> usize {
+        let shown: HashSet<usize> = self
+            .present
+            .iter()
+            .flat_map(Choices::columns)
+            .map(|(address, _)| address)
+            .collect();
+        let steps = self.done.iter().chain(&self.undone);
+        let held: HashMap<usize, usize> = steps.flat_map(|step| step.choices.columns()).collect();
+        let held = held.iter().filter(|(address, _)| !shown.contains(address));
+        held.map(|(_, bytes)| bytes).sum()
     }
 
     /// Takes the last step back; says what it changed.
@@ -99,6 +171,7 @@ impl History {
             title: title.clone(),
             choices: after,
         });
+        self.forget_beyond(MOST_HELD_BYTES);
         Some(title)
     }
 
@@ -110,6 +183,7 @@ impl History {
             title: title.clone(),
             choices: before,
         });
+        self.forget_beyond(MOST_HELD_BYTES);
         Some(title)
     }
 
@@ -119,6 +193,7 @@ impl History {
         choices.restore(session);
         self.present = Some(Choices::of(session));
         self.open = None;
+        self.is_joining = false;
         had
     }
 

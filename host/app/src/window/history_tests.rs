@@ -145,30 +145,168 @@ fn a_new_change_forgets_what_was_taken_back() {
 }
 
 #[test]
-fn files_and_the_first_renderer_are_no_steps() {
+fn the_first_files_and_the_first_renderer_are_no_steps() {
     let mut desk = Desk::new(Session::new(String::new()));
     desk.session.panes.active.renderer = OWNER.into();
     desk.pass(LATER);
+    desk.session.panes.active.view.exposure = 2.0;
+    desk.pass(LATER);
     desk.session.edit_scene(|scene| scene.add(object("c")));
+    desk.pass(LATER);
+    desk.history.join_next();
+    desk.session.edit_scene(|scene| scene.add(object("d")));
     desk.pass(LATER);
     desk.session.panes.active.camera.eye.x += 1.0;
     desk.pass(LATER);
+    assert_eq!(desk.undo().as_deref(), Some("Exposure"));
+    assert_eq!(
+        names(&desk),
+        ["c", "d"],
+        "what was undone was older than the files"
+    );
     assert_eq!(desk.steps(), 0);
 }
 
+fn names(desk: &Desk) -> Vec<&str> {
+    let objects = desk.session.scene.objects().iter();
+    objects.map(|object| object.name.as_str()).collect()
+}
+
 #[test]
-fn an_object_that_came_since_keeps_its_looks() {
+fn objects_that_come_and_go_are_steps_of_their_names() {
     let mut desk = Desk::new(session());
     desk.session.panes.active.view.exposure = 2.0;
     desk.pass(LATER);
-    let mut new = object("new");
-    new.selected = true;
-    desk.session.edit_scene(|scene| scene.add(new));
+    let new = desk.session.edit_scene(|scene| scene.add(object("new")));
+    desk.pass(SOON);
+    let first = desk.session.scene.objects()[0].id;
+    desk.session.edit_scene(|scene| scene.remove(first));
+    desk.pass(SOON);
+    assert_eq!(desk.undo().as_deref(), Some("Remove 'a'"));
+    assert_eq!(names(&desk), ["a", "b", "new"]);
+    assert_eq!(desk.undo().as_deref(), Some("Add 'new'"));
+    assert_eq!(names(&desk), ["a", "b"]);
+    assert_eq!(desk.session.panes.active.view.exposure, 2.0);
+    desk.redo();
+    assert!(desk.session.scene.object(new).is_some());
+    desk.redo();
+    assert_eq!(names(&desk), ["b", "new"]);
+}
+
+#[test]
+fn merged_and_opened_objects_are_told_apart() {
+    let mut desk = Desk::new(session());
+    let turn = |desk: &mut Desk, object: Object| {
+        desk.session.clear_scene();
+        desk.session.edit_scene(|scene| scene.add(object));
+        desk.pass(LATER);
+        desk.history.next_undo().map(str::to_owned)
+    };
+    let merged = turn(&mut desk, object("both"));
+    assert_eq!(merged.as_deref(), Some("Merge 2 objects"));
+    let mut opened = object("new");
+    opened.source = Some("new.ply".into());
+    assert_eq!(turn(&mut desk, opened).as_deref(), Some("Open 'new'"));
+    desk.undo();
+    desk.undo();
+    assert_eq!(names(&desk), ["a", "b"]);
+}
+
+#[test]
+fn files_that_are_opened_together_are_one_step() {
+    let mut desk = Desk::new(session());
+    desk.session.edit_scene(|scene| scene.add(object("c")));
+    desk.pass(LATER);
+    desk.history.join_next();
+    desk.session.edit_scene(|scene| scene.add(object("d")));
+    desk.pass(LATER);
+    assert_eq!(desk.steps(), 1);
+    desk.undo();
+    assert_eq!(names(&desk), ["a", "b"]);
+}
+
+#[test]
+fn what_loading_had_to_say_comes_back_with_the_object() {
+    let mut desk = Desk::new(session());
+    let id = desk.session.scene.objects()[0].id;
+    let mut warnings = pointstage_scene::Warnings::new();
+    warnings.add(pointstage_scene::WarningKind::Flipped, 1);
+    desk.session.warnings.insert(id, warnings.clone());
+    desk.session.panes.active.view.exposure = 2.0;
+    desk.pass(LATER);
+    desk.session.clear_scene();
     desk.pass(LATER);
     desk.undo();
-    let objects = desk.session.scene.objects();
-    assert!(objects.len() == 3 && objects[2].selected);
-    assert_eq!(desk.session.panes.active.view.exposure, 1.0);
+    assert_eq!(desk.session.warnings.get(&id), Some(&warnings));
+}
+
+#[test]
+fn edits_of_surfels_are_steps_however_soon_they_come() {
+    let mut desk = Desk::new(session());
+    let id = desk.session.scene.objects()[0].id;
+    let first = desk.session.scene.objects()[0].geometry.clone();
+    for _ in 0..2 {
+        let geometry = object("other").geometry;
+        desk.session
+            .edit_scene(|scene| scene.edit(id, |object| object.geometry = geometry));
+        desk.pass(SOON);
+    }
+    assert_eq!(desk.undo().as_deref(), Some("Surfels"));
+    desk.undo();
+    assert!(Arc::ptr_eq(
+        &desk.session.scene.objects()[0].geometry,
+        &first
+    ));
+}
+
+/// An object of so many bytes.
+fn object_of(name: &str, bytes: usize) -> Object {
+    let block = Block {
+        position_radius: vec![[0.0; 4]; bytes / 16].into(),
+        ..Block::default()
+    };
+    Object::new(
+        name,
+        DVec3::ZERO,
+        Geometry::new(vec![block], None, Origins::default()),
+    )
+}
+
+#[test]
+fn steps_that_hold_too_much_are_forgotten_the_farthest_first() {
+    let mut desk = Desk::new(session());
+    for number in 0..4 {
+        let name = format!("large {number}");
+        let id = desk
+            .session
+            .edit_scene(|scene| scene.add(object_of(&name, 16_000)));
+        desk.pass(LATER);
+        desk.session.edit_scene(|scene| scene.remove(id));
+        desk.pass(LATER);
+    }
+    assert_eq!(desk.history.held_bytes(), 4 * 16_000);
+    desk.history.forget_beyond(2 * 16_000);
+    assert_eq!(desk.history.held_bytes(), 2 * 16_000);
+    desk.undo();
+    assert_eq!(names(&desk), ["a", "b", "large 3"]);
+    desk.undo();
+    // Both are held for a redo now, and one for an undo: what is farthest ahead goes first.
+    desk.history.forget_beyond(16_000);
+    assert_eq!(desk.redo(), None);
+    assert_eq!(desk.undo().as_deref(), Some("Remove 'large 2'"));
+}
+
+#[test]
+fn columns_that_the_scene_shows_cost_the_history_nothing() {
+    let mut desk = Desk::new(session());
+    let id = desk
+        .session
+        .edit_scene(|scene| scene.add(object_of("large", 16_000)));
+    desk.pass(LATER);
+    desk.session
+        .edit_scene(|scene| scene.edit(id, |object| object.visible = false));
+    desk.pass(LATER);
+    assert_eq!(desk.history.held_bytes(), 0);
 }
 
 #[test]

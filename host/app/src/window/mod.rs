@@ -39,6 +39,7 @@ mod log;
 mod memory;
 mod menu;
 mod navigation;
+mod object_choices;
 mod open;
 mod pacing;
 mod palette;

@@ -66,19 +66,21 @@ pub(super) fn object_uniform(object: &Object, camera: &Camera) -> DrawUniform {
         .length()
         .max(linear.y_axis.length())
         .max(linear.z_axis.length());
+    let mut normals = columns(&DMat4::from_mat3(linear.inverse().transpose()));
+    normals[3][3] = object.radius_scale;
     let two_sided = object.geometry.origins.normals == Provenance::Estimated;
     let flag = |on: bool, flag: DrawFlags| if on { flag.0 } else { 0 };
     DrawUniform {
         view_from_object: columns(&view_from_object),
         object_from_view: columns(&view_from_object.inverse()),
-        view_from_object_normal: columns(&DMat4::from_mat3(linear.inverse().transpose())),
+        view_from_object_normal: normals,
         material: [
             object.material.ka,
             object.material.kd,
             object.material.ks,
             object.material.shininess,
         ],
-        radius_factor: scale as f32,
+        radius_factor: scale as f32 * object.radius_scale,
         count: object.geometry.surfel_count.min(u32::MAX as usize) as u32,
         flags: flag(two_sided, DrawFlags::TWO_SIDED) | flag(object.selected, DrawFlags::SELECTED),
         default_colour: MID_GREY,

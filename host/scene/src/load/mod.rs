@@ -21,6 +21,7 @@ mod tri;
 use std::path::Path;
 use std::sync::Arc;
 
+pub(crate) use assemble::origin_for;
 pub use error::{FormatError, LoadError, LoadStop, Place};
 pub use loader::{Claim, Contents, FileStart, Loader, LoaderInfo, START_BYTES, SourceFile};
 pub use loaders::{Loaders, UnknownLoader};
@@ -151,7 +152,9 @@ pub fn load_with(
     );
     let mut object = Object::new(name, origin, geometry);
     object.world_from_object = world_from_object;
+    object.placed = world_from_object;
     object.source = Some(path.to_path_buf());
+    object.loaded = Some(object.geometry.revision);
     object.loader.clone_from(&options.loader);
     tracing::debug!(
         loader = loader.info().id,

@@ -1,6 +1,6 @@
 //! The columns of an object as writers take them.
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::Vec3;
 use pointstage_plugin_api::columns::{NO_NORMAL, TangentAxes, decode_normal};
 
 use crate::geometry::{Block, Geometry, NamedColumn, Provenance};
@@ -60,45 +60,4 @@ pub(super) fn bytes_of(column: &NamedColumn, surfel: usize) -> &[u8] {
         .bytes
         .get(surfel * width..(surfel + 1) * width)
         .unwrap_or_default()
-}
-
-/// Brings columns into another space.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moved {
-    to: DAffine3,
-    normals: DMat3,
-    /// −1 where the map is a mirror: the axes' cross product must stay the normal.
-    pub(super) mirror: f64,
-    radius_scale: f64,
-}
-
-impl Moved {
-    /// By the map `to`; radii by the cube root of its determinant.
-    pub(super) fn new(to: DAffine3) -> Self {
-        let determinant = to.matrix3.determinant();
-        Self {
-            to,
-            normals: to.matrix3.inverse().transpose(),
-            mirror: if determinant < 0.0 { -1.0 } else { 1.0 },
-            radius_scale: determinant.abs().cbrt(),
-        }
-    }
-
-    pub(super) fn position(&self, position: DVec3) -> DVec3 {
-        self.to.transform_point3(position)
-    }
-
-    pub(super) fn normal(&self, normal: Vec3) -> Vec3 {
-        let moved = self.normals * normal.as_dvec3();
-        moved.normalize_or_zero().as_vec3()
-    }
-
-    pub(super) fn axes(&self, [u, v]: [Vec3; 2]) -> [Vec3; 2] {
-        let moved = |axis: Vec3| self.to.matrix3 * axis.as_dvec3();
-        [moved(u).as_vec3(), (moved(v) * self.mirror).as_vec3()]
-    }
-
-    pub(super) fn radius(&self, radius: f32) -> f32 {
-        (f64::from(radius) * self.radius_scale) as f32
-    }
 }

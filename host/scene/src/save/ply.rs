@@ -4,8 +4,9 @@ use std::io::{self, Write};
 
 use glam::DAffine3;
 
-use super::columns::{Moved, Present, axes_of, bytes_of, normal_of};
+use super::columns::{Present, axes_of, bytes_of, normal_of};
 use crate::geometry::{Block, NamedColumn, ScalarType};
+use crate::moved::Moved;
 use crate::scene::Object;
 use crate::warnings::{WarningKind, Warnings};
 

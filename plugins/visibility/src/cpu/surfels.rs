@@ -32,7 +32,10 @@ pub struct Surfels<'a> {
     pub(super) numbers: Numbers,
     uniform: &'a DrawUniform,
     is_two_sided: bool,
+    /// The frame's.
     radius_scale: f32,
+    /// The frame's times the object's.
+    axes_scale: f32,
     /// View space from object space: rows of x, y, z and 1.
     view_from_object: [[Vec4; 4]; 3],
     /// The same for normals.
@@ -154,6 +157,7 @@ impl<'a> Surfels<'a> {
             uniform,
             is_two_sided: flags.contains(DrawFlags::TWO_SIDED),
             radius_scale: frame.uniform().radius_scale,
+            axes_scale: frame.uniform().radius_scale * uniform.object_radius_scale(),
             view_from_object: [0, 1, 2]
                 .map(|row| [0, 1, 2, 3].map(|column| Vec4::splat(matrix[column][row]))),
             normal_from_object: [0, 1, 2]
@@ -192,11 +196,11 @@ impl<'a> Surfels<'a> {
         self.is_two_sided
     }
 
-    /// Clip lines of a surfel, for u and v in so many half-axes with the frame's radius scale; none if nothing of the draw has any.
+    /// Clip lines of a surfel, for u and v in so many half-axes with the radius scales; none if nothing of the draw has any.
     #[inline]
     pub fn clip_lines(&self, number: u32, unit: f32) -> Option<ClipLines> {
         let lines = self.clips.as_ref()?.get(number as usize)?;
-        Some(scaled_clip_lines(*lines, unit * self.radius_scale))
+        Some(scaled_clip_lines(*lines, unit * self.axes_scale))
     }
 
     /// Packed colour of a surfel; none if the draw's is meant.
@@ -315,7 +319,7 @@ impl<'a> Surfels<'a> {
         surfels.normal.dot(to_eye).cmplt(Vec4::ZERO) & surfels.has_normal
     }
 
-    /// Half-axes of the surfels' ellipses in view space, with the frame's radius scale: from the scene's axes, else the disk of
+    /// Half-axes of the surfels' ellipses in view space, with the radius scales: from the scene's axes, else the disk of
     /// normal and radius, else a disk that faces the eye.
     #[inline]
     pub fn load_axes_view(&self, surfels: &Surfels4, camera: &Camera4) -> Axes4 {
@@ -325,7 +329,7 @@ impl<'a> Surfels<'a> {
                 let [ux, uy, uz, _, vx, vy, vz, _] = axes;
                 [Vec3::new(ux, uy, uz), Vec3::new(vx, vy, vz)]
             });
-            let scale = Vec4::splat(self.radius_scale);
+            let scale = Vec4::splat(self.axes_scale);
             let [u, v] = [0, 1].map(|which| Vec3x4::from_vectors(axes.map(|axes| axes[which])));
             return Axes4 {
                 u: self.view_from_object_direction(u * scale),
@@ -333,7 +337,7 @@ impl<'a> Surfels<'a> {
             };
         }
         let tangents = tangents_of(surfels.normal);
-        let scale = surfels.radius * self.radius_scale;
+        let scale = surfels.radius * self.axes_scale;
         let axes = Axes4 {
             u: self.view_from_object_direction(tangents.u * scale),
             v: self.view_from_object_direction(tangents.v * scale),
@@ -342,7 +346,7 @@ impl<'a> Surfels<'a> {
             return axes;
         }
         let facing = tangents_of(camera.towards_eye(surfels.centre_view));
-        let scale = scale * self.uniform.radius_factor;
+        let scale = surfels.radius * self.radius_scale * self.uniform.radius_factor;
         let select =
             |known, facing: Vec3x4| Vec3x4::select(surfels.has_normal, known, facing * scale);
         Axes4 {

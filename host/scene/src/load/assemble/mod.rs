@@ -20,7 +20,8 @@ pub(in crate::load) use build::{Built, build};
 pub(in crate::load) use corners::{
     CornerLists, Corners, FaceKind, MOST_VERTICES, Triangles, corner_from,
 };
-pub(in crate::load) use place::{MAX_COORDINATE, Placed, origin_for, usable};
+pub(crate) use place::origin_for;
+pub(in crate::load) use place::{MAX_COORDINATE, Placed, usable};
 pub(in crate::load) use roles::{NamedRole, Roles};
 pub(in crate::load) use table::{ByteOrder, Field, Table, TableColumn, read_integer, write_native};
 

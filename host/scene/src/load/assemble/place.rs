@@ -49,7 +49,7 @@ impl Placed {
 /// The origin for a box: 0, or a round number near its centre when it is far from 0 for its size.
 ///
 /// The number is a multiple of a power of two close to the box's size, so that subtracting it from an f32 is exact.
-pub(in crate::load) fn origin_for(bounds: &Bounds) -> DVec3 {
+pub(crate) fn origin_for(bounds: &Bounds) -> DVec3 {
     if bounds.is_empty() {
         return DVec3::ZERO;
     }
