@@ -30,6 +30,8 @@ pub(crate) struct History {
     open: Option<Open>,
     /// Whether there have ever been objects.
     has_had_objects: bool,
+    /// Whether no step has been made since the first objects came.
+    is_at_first_objects: bool,
     /// Whether the next change belongs to what came before it.
     is_joining: bool,
 }
@@ -61,6 +63,7 @@ impl History {
         let Some(present) = &self.present else {
             let present = Choices::of(session);
             self.has_had_objects = present.has_objects();
+            self.is_at_first_objects = self.has_had_objects;
             self.present = Some(present);
             return;
         };
@@ -72,7 +75,8 @@ impl History {
         let joins = std::mem::take(&mut self.is_joining);
         let is_first = !self.has_had_objects && after.has_objects();
         self.has_had_objects |= is_first;
-        if is_first || (joins && self.done.is_empty()) {
+        self.is_at_first_objects |= is_first;
+        if is_first || (joins && self.is_at_first_objects) {
             self.adopt_objects(&after);
         }
         let fields = match &self.present {
@@ -90,6 +94,7 @@ impl History {
         }
         let before = self.present.replace(after.clone());
         self.undone.clear();
+        self.is_at_first_objects = false;
         let is_at_once = fields.iter().any(Field::is_done_at_once);
         let grows = self.open.as_ref().is_some_and(|open| {
             let is_soon = open.is_held || now < open.until;
@@ -194,6 +199,7 @@ impl History {
         self.present = Some(Choices::of(session));
         self.open = None;
         self.is_joining = false;
+        self.is_at_first_objects = false;
         had
     }
 
