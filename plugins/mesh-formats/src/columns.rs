@@ -1,8 +1,12 @@
 //! A mesh in memory, handed over to the host in runs.
 
 use pointstage_plugin_api::abi::ScalarType;
+use pointstage_plugin_api::glam::DVec3;
 use pointstage_plugin_api::loading::{Column, Output, bytes_of};
 use pointstage_plugin_api::{ColumnRole, Progress, Result};
+use pointstage_texels::face_colours;
+
+use crate::textured::Meets;
 
 /// Surfels handed over at once: a few milliseconds between two looks at the cancel flag.
 const RUN: usize = 1 << 16;
@@ -26,6 +30,21 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
+    /// Gives vertices the mean of their faces' colours, linear with straight alpha, in linear light and weighted by area.
+    pub(crate) fn take_face_colours(&mut self, colours: &[Option<[f32; 4]>]) {
+        let sums = face_colours(
+            self.positions.len(),
+            self.lengths.iter().copied(),
+            &self.corners,
+            |corner| {
+                let place = self.positions.get(corner as usize);
+                place.map_or(DVec3::NAN, |place| DVec3::from_array(*place))
+            },
+            |face| colours.get(face).copied().flatten(),
+        );
+        self.take_light(&sums, Meets::Replaces);
+    }
+
     /// Hands everything over.
     pub(crate) fn write(&self, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<()> {
         let count = self.positions.len();

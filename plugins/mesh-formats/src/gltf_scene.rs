@@ -1,22 +1,26 @@
 //! glTF 2.0, as one binary file or as JSON with buffers and pictures beside it.
 //!
 //! The default scene's nodes are walked; each mesh comes where its node puts it, as often as nodes name it. A vertex's colour
-//! is its own times the material's base colour times the nearest texel of the base-colour texture; all three are multiplied
-//! as linear light, and handed over as sRGB.
+//! is its own times the material's base colour times the mean of the texels of the base-colour texture round it (of a point, the
+//! texel that it lies in); all three are multiplied as linear light, and handed over as sRGB. Alpha weights texels where the
+//! material says that it means something.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::Arc;
 
-use gltf::image::Data as Picture;
 use gltf::mesh::Mode;
-use gltf::{Document, Gltf, Node, Primitive, buffer, image};
-use pointstage_plugin_api::glam::{DMat4, DVec3, Mat3, Vec3};
+use gltf::texture::WrappingMode;
+use gltf::{Document, Gltf, Node, Primitive, buffer, image, material::AlphaMode};
+use pointstage_plugin_api::glam::{DMat4, DVec2, DVec3, Mat3, Vec3};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
+use pointstage_texels::{Alpha, Material, NO_MATERIAL, Picture, Wrap, read_beside, srgb};
 
 use crate::columns::Mesh;
-use crate::texel::{srgb, texel};
+use crate::data_url;
+use crate::textured::{Meets, Textured, Textures};
 
 /// Vertices of one accessor that may come of a few bytes: one without a buffer is all zeros.
 const MOST_WITHOUT_BUFFER: usize = 1 << 20;
@@ -41,12 +45,13 @@ impl Loader for GltfLoader {
     fn load(
         _host: &Host,
         file: &SourceFile<'_>,
-        _settings: Settings<'_>,
+        settings: Settings<'_>,
         out: &mut Output<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
+        let textures = Textures::of(settings)?;
         // The library takes some numbers of a damaged file as they are and stops in the middle, its own validation included.
-        let read = catch_unwind(AssertUnwindSafe(|| read(file, out, progress)));
+        let read = catch_unwind(AssertUnwindSafe(|| read(file, textures, out, progress)));
         let mesh = read.unwrap_or_else(|_| {
             Err(Error::failed(
                 "the file is no sound glTF: numbers in it lead nowhere; it is damaged, export it again",
@@ -57,88 +62,94 @@ impl Loader for GltfLoader {
 }
 
 /// The meshes of the scene as one.
-fn read(file: &SourceFile<'_>, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<Mesh> {
+fn read(
+    file: &SourceFile<'_>,
+    textures: Textures,
+    out: &mut Output<'_>,
+    progress: &Progress<'_>,
+) -> Result<Mesh> {
     let Gltf { document, blob } = Gltf::from_slice(file.bytes)
         .map_err(|error| Error::failed(format!("the file is no sound glTF: {error}")))?;
-    let folder = file.path.parent();
     progress.set(0.05, "reading buffers");
-    let buffers = gltf::import_buffers(&document, folder, blob)
+    let buffers = gltf::import_buffers(&document, file.path.parent(), blob)
         .map_err(|error| Error::failed(format!("a buffer cannot be read: {error}")))?;
     progress.check()?;
-    let pictures = read_pictures(&document, folder, &buffers, out, progress)?;
     let mut reader = Reader {
         buffers: &buffers,
-        pictures: &pictures,
+        path: file.path,
+        textures,
+        pictures: HashMap::new(),
+        textured: Textured::default(),
         mesh: Mesh::default(),
         left_out: 0,
         out,
         progress,
     };
     reader.read_scene(&document)?;
-    let Reader { mesh, left_out, .. } = reader;
+    let Reader {
+        mut mesh,
+        textured,
+        left_out,
+        ..
+    } = reader;
     out.warn("a primitive of lines is left out", left_out);
     if mesh.positions.is_empty() {
         return Err(Error::failed(
             "the scene has no triangles and no points; there is nothing to show",
         ));
     }
+    if !mesh.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len(), [f32::NAN; 2]);
+    }
+    if textured.has_pictures() {
+        textured.colour(&mut mesh, textures, Meets::Multiplies, out, progress)?;
+    }
     Ok(mesh)
 }
 
-/// The pictures that base colours take; none in place of one that cannot be read, which is a warning.
-fn read_pictures(
-    document: &Document,
-    folder: Option<&Path>,
+/// The picture of a source.
+fn read_picture(
+    source: &image::Source<'_>,
+    file: &Path,
     buffers: &[buffer::Data],
-    out: &mut Output<'_>,
-    progress: &Progress<'_>,
-) -> Result<Vec<Option<Picture>>> {
-    let used: HashSet<usize> = document
-        .materials()
-        .filter_map(|material| material.pbr_metallic_roughness().base_color_texture())
-        .map(|texture| texture.texture().source().index())
-        .collect();
-    let mut pictures = Vec::new();
-    for picture in document.images() {
-        progress.check()?;
-        if !used.contains(&picture.index()) {
-            pictures.push(None);
-            continue;
+    alpha: Alpha,
+) -> std::result::Result<Picture, String> {
+    let decode = |bytes: &[u8]| Picture::decode(bytes, alpha).map_err(|error| error.to_string());
+    match source {
+        image::Source::View { view, .. } => {
+            let end = view.offset().checked_add(view.length());
+            let bytes = buffers
+                .get(view.buffer().index())
+                .zip(end)
+                .and_then(|(buffer, end)| buffer.get(view.offset()..end));
+            decode(bytes.ok_or("it lies outside its buffer")?)
         }
-        match read_picture(picture.source(), folder, buffers) {
-            Ok(picture) => pictures.push(Some(picture)),
-            Err(error) => {
-                out.warn(
-                    &format!("a texture cannot be read ({error}): its colours are left out"),
-                    1,
-                );
-                pictures.push(None);
-            }
+        image::Source::Uri { uri, .. } if data_url::is(uri) => {
+            decode(&data_url::bytes(uri).ok_or("its data URL cannot be decoded")?)
+        }
+        image::Source::Uri { uri, .. } => {
+            let name = data_url::percent_decoded(uri);
+            let bytes = read_beside(file, &String::from_utf8_lossy(&name));
+            decode(&bytes.map_err(|error| error.to_string())?)
         }
     }
-    Ok(pictures)
 }
 
-fn read_picture(
-    source: image::Source<'_>,
-    folder: Option<&Path>,
-    buffers: &[buffer::Data],
-) -> std::result::Result<Picture, String> {
-    if let image::Source::View { view, .. } = &source {
-        // The library takes a view's place in its buffer as given.
-        let end = view.offset().checked_add(view.length());
-        let buffer = buffers.get(view.buffer().index());
-        let fits = buffer.is_some_and(|buffer| end.is_some_and(|end| end <= buffer.len()));
-        if !fits {
-            return Err("it lies outside its buffer".to_owned());
-        }
+/// What a warning calls a source.
+fn name_of(source: &image::Source<'_>) -> String {
+    match source {
+        image::Source::Uri { uri, .. } if !data_url::is(uri) => format!("'{uri}'"),
+        image::Source::Uri { .. } | image::Source::View { .. } => "inside the file".to_owned(),
     }
-    Picture::from_source(source, folder, buffers).map_err(|error| error.to_string())
 }
 
 struct Reader<'r, 'o> {
     buffers: &'r [buffer::Data],
-    pictures: &'r [Option<Picture>],
+    path: &'r Path,
+    textures: Textures,
+    /// Pictures that were read, by their index and use; none in place of one that cannot be read, which was a warning.
+    pictures: HashMap<(usize, Alpha), Option<Arc<Picture>>>,
+    textured: Textured,
     mesh: Mesh,
     left_out: u64,
     out: &'r mut Output<'o>,
@@ -219,25 +230,101 @@ impl Reader<'_, '_> {
             .unwrap_or_default();
         let pbr = primitive.material().pbr_metallic_roughness();
         let texture = pbr.base_color_texture();
-        let uvs: Vec<[f32; 2]> = texture
-            .as_ref()
-            .and_then(|texture| reader.read_tex_coords(texture.tex_coord()))
+        let set = texture.as_ref().map_or(0, gltf::texture::Info::tex_coord);
+        let uvs: Vec<[f32; 2]> = reader
+            .read_tex_coords(set)
             .map(|uvs| uvs.into_f32().take(count).collect())
             .unwrap_or_default();
-        let picture = texture
-            .as_ref()
-            .and_then(|texture| self.pictures.get(texture.texture().source().index()))
-            .and_then(Option::as_ref)
-            .filter(|_| !uvs.is_empty());
+        self.add_uvs(&uvs, first);
         let factor = pbr.base_color_factor();
-        self.add_colours(first, &own, factor, picture, &uvs);
+        let material = texture
+            .filter(|_| !uvs.is_empty() && self.textures != Textures::None)
+            .and_then(|texture| self.material(&primitive.material(), &texture));
+        match &material {
+            // The texture brings the factor along.
+            Some(material) => {
+                let mut own = own;
+                if mode == Mode::Points {
+                    colour_points(&mut own, &uvs, material);
+                }
+                self.add_colours(first, &own, [1.0; 4]);
+            }
+            None => self.add_colours(first, &own, factor),
+        }
         let corners: Vec<u32> = match reader.read_indices() {
             Some(indices) => indices.into_u32().collect(),
             None => (0..count as u32).collect(),
         };
         let is_mirrored = world_from_node.determinant() < 0.0;
+        let first_corner = self.mesh.corners.len();
         self.add_triangles(mode, &corners, first, count, is_mirrored);
+        if let Some(material) = material {
+            let textured = &mut self.textured;
+            let index = textured.materials.len() as u32;
+            textured.materials.push(material);
+            textured.uvs.resize(first_corner, [f32::NAN; 2]);
+            let own = &self.mesh.corners[first_corner..];
+            textured.uvs.extend(own.iter().map(|corner| {
+                let uv = uvs.get((*corner as usize).wrapping_sub(first));
+                uv.copied().unwrap_or([f32::NAN; 2])
+            }));
+            textured.faces.resize(first_corner / 3, NO_MATERIAL);
+            textured.faces.resize(self.mesh.lengths.len(), index);
+        }
         Ok(())
+    }
+
+    /// The material, if its picture can be read.
+    fn material(
+        &mut self,
+        material: &gltf::Material<'_>,
+        texture: &gltf::texture::Info<'_>,
+    ) -> Option<Material> {
+        let alpha = if material.alpha_mode() == AlphaMode::Opaque {
+            Alpha::Ignored
+        } else {
+            Alpha::Respected
+        };
+        let source = texture.texture().source();
+        let key = (source.index(), alpha);
+        if !self.pictures.contains_key(&key) {
+            let source = source.source();
+            let picture = match read_picture(&source, self.path, self.buffers, alpha) {
+                Ok(picture) => Some(Arc::new(picture)),
+                Err(error) => {
+                    let name = name_of(&source);
+                    let text = format!(
+                        "the texture {name} cannot be read ({error}): its colours are left out"
+                    );
+                    self.out.warn(&text, 1);
+                    None
+                }
+            };
+            self.pictures.insert(key, picture);
+        }
+        let picture = self.pictures.get(&key)?.clone()?;
+        let [red, green, blue, _] = material.pbr_metallic_roughness().base_color_factor();
+        let factor = [red, green, blue, 1.0];
+        let sampler = texture.texture().sampler();
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::Repeat => Wrap::Repeat,
+        });
+        Some(Material {
+            factor,
+            wrap,
+            plain: Some(factor),
+            ..Material::of_picture(picture)
+        })
+    }
+
+    /// Keeps texture coordinates; NaN for vertices without.
+    fn add_uvs(&mut self, uvs: &[[f32; 2]], first: usize) {
+        if !uvs.is_empty() {
+            self.mesh.uvs.resize(first, [f32::NAN; 2]);
+            self.mesh.uvs.extend(uvs);
+        }
     }
 
     /// Normals in the world; zeros for vertices without one, which the host replaces.
@@ -264,27 +351,17 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn add_colours(
-        &mut self,
-        first: usize,
-        own: &[[f32; 4]],
-        factor: [f32; 4],
-        picture: Option<&Picture>,
-        uvs: &[[f32; 2]],
-    ) {
+    /// Colours of vertices, linear, times a factor.
+    fn add_colours(&mut self, first: usize, own: &[[f32; 4]], factor: [f32; 4]) {
         let count = self.mesh.positions.len();
-        let is_plain = own.is_empty() && picture.is_none() && factor[..3] == [1.0; 3];
+        let is_plain = own.is_empty() && factor[..3] == [1.0; 3];
         if is_plain && self.mesh.colours.is_empty() {
             return;
         }
         self.mesh.colours.resize(first, [1.0; 3]);
         self.mesh.colours.extend((0..count - first).map(|vertex| {
             let own = own.get(vertex).copied().unwrap_or([1.0; 4]);
-            let texel = picture
-                .zip(uvs.get(vertex))
-                .map(|(picture, uv)| texel(picture, *uv));
-            let texel = texel.unwrap_or([1.0; 3]);
-            std::array::from_fn(|channel| srgb(own[channel] * factor[channel] * texel[channel]))
+            std::array::from_fn(|channel| srgb(own[channel] * factor[channel]))
         }));
     }
 
@@ -326,6 +403,21 @@ impl Reader<'_, '_> {
                 }
             }
             Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {}
+        }
+    }
+}
+
+/// Multiplies colours of points, linear, by the texels that they lie in.
+fn colour_points(own: &mut Vec<[f32; 4]>, uvs: &[[f32; 2]], material: &Material) {
+    own.resize(uvs.len().max(own.len()), [1.0; 4]);
+    for (colour, [u, v]) in own.iter_mut().zip(uvs) {
+        let place = DVec2::new(f64::from(*u), f64::from(*v));
+        let light = material.light([place; 4]);
+        // What is not covered has no colour; alpha is not kept.
+        if let Some([red, green, blue, alpha]) = light.filter(|light| light[3] > 0.0) {
+            for (own, value) in colour.iter_mut().zip([red, green, blue]) {
+                *own *= value / alpha;
+            }
         }
     }
 }

@@ -2,12 +2,13 @@
 #![forbid(unsafe_code)]
 
 mod columns;
+mod data_url;
 mod gltf_scene;
 mod mtl;
 mod obj;
 mod off;
 mod stl;
-mod texel;
+mod textured;
 
 pub use gltf_scene::GltfLoader;
 pub use obj::ObjLoader;

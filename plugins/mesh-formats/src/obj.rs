@@ -1,17 +1,22 @@
 //! Wavefront OBJ.
 //!
 //! A vertex (`v`) is a surfel. Corners of faces may give one vertex several normals and texture coordinates: the vertex gets
-//! the mean of its normals and the first of its texture coordinates. Colours stand behind the coordinates of `v`, as many
-//! scanners write them; without any, a vertex takes the mean diffuse colour of the materials of its faces.
+//! the mean of its normals and the first of its texture coordinates. Its colour is the mean of what the materials of its faces
+//! say, in linear light and weighted by area: the texels that each face's part round it covers, where there is a texture
+//! (`map_Kd`), else the diffuse colour (`Kd`). Where no face has a texture, colours behind the coordinates of `v`, as many scanners
+//! write them, come before diffuse colours.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use pointstage_plugin_api::lines::{Line, Lines, integer, number};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
+use pointstage_texels::{Material, NO_MATERIAL, Wrap, linear};
 
 use crate::columns::Mesh;
-use crate::mtl::{Materials, rest_of};
+use crate::mtl::{Materials, Texture, rest_of};
+use crate::textured::{Meets, Pictures, Textured, Textures};
 
 /// Lines read between two looks at the cancel flag.
 const LINES_A_PIECE: u64 = 1 << 14;
@@ -52,6 +57,11 @@ impl Loader for ObjLoader {
     ) -> Result<()> {
         let mut reader = Reader {
             wants_materials: settings.bool("materials")?,
+            textures: Textures::of(settings)?,
+            textured: Textured {
+                is_from_bottom: true,
+                ..Textured::default()
+            },
             ..Reader::default()
         };
         let mut lines = Lines::new(file.bytes);
@@ -72,7 +82,7 @@ impl Loader for ObjLoader {
                 "the file has no vertices (lines that begin with 'v'); there is nothing to show",
             ));
         }
-        reader.finish(out).write(out, progress)
+        reader.finish(out, progress)?.write(out, progress)
     }
 }
 
@@ -101,11 +111,15 @@ struct Reader {
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     wants_materials: bool,
+    textures: Textures,
     materials: Materials,
-    /// Diffuse colour of the material in use.
-    material: Option<[f32; 3]>,
-    /// Sum of diffuse colours, and of how many, by vertex; as long as is known.
-    material_sums: Vec<[f32; 4]>,
+    pictures: Pictures,
+    /// What faces say of their colours; materials in the order in which they are first used.
+    textured: Textured,
+    /// Indices of the materials that have been used, and what moves their texture coordinates.
+    used: HashMap<Vec<u8>, (u32, Option<Texture>)>,
+    /// The material in use.
+    material: Option<(u32, Option<Texture>)>,
     lines_and_points: u64,
     unknown_materials: u64,
 }
@@ -142,10 +156,7 @@ impl Reader {
                 Ok(())
             }
             Some(b"usemtl") => {
-                let name = rest_of(line.text, b"usemtl");
-                self.material = self.materials.diffuse.get(name).copied();
-                self.unknown_materials +=
-                    u64::from(self.wants_materials && self.material.is_none());
+                self.use_material(rest_of(line.text, b"usemtl"), file, out);
                 Ok(())
             }
             _ => Ok(()),
@@ -204,6 +215,11 @@ impl Reader {
         if length < 3 {
             return Err(not_numbers(line, "three corners or more"));
         }
+        if let Some((material, _)) = &self.material {
+            let faces = &mut self.textured.faces;
+            faces.resize(self.mesh.lengths.len(), NO_MATERIAL);
+            faces.push(*material);
+        }
         self.mesh.lengths.push(length);
         Ok(())
     }
@@ -235,21 +251,57 @@ impl Reader {
                 self.mesh.uvs[vertex] = *uv;
             }
         }
-        if let Some([red, green, blue]) = self.material {
-            if self.material_sums.len() <= vertex {
-                self.material_sums.resize(count, [0.0; 4]);
-            }
-            let sum = &mut self.material_sums[vertex];
-            for (sum, value) in sum.iter_mut().zip([red, green, blue, 1.0]) {
-                *sum += value;
-            }
+        if let (Some(uv), Some((_, Some(texture)))) = (uv, &self.material) {
+            let uvs = &mut self.textured.uvs;
+            uvs.resize(self.mesh.corners.len() - 1, [f32::NAN; 2]);
+            uvs.push(texture.place(*uv));
         }
+    }
+
+    /// Takes the material `name` for the faces that follow.
+    fn use_material(&mut self, name: &[u8], file: &SourceFile<'_>, out: &mut Output<'_>) {
+        if let Some(known) = self.used.get(name) {
+            self.material = Some(known.clone());
+            return;
+        }
+        let described = self.materials.all.get(name).cloned();
+        self.unknown_materials += u64::from(self.wants_materials && described.is_none());
+        self.material = described.and_then(|described| {
+            let texture = described
+                .texture
+                .filter(|_| self.textures != Textures::None);
+            let picture = texture.as_ref().and_then(|texture| {
+                let picture = self.pictures.beside(file.path, &texture.name, out)?;
+                Some((picture, texture))
+            });
+            let diffuse = described.diffuse.map(|[red, green, blue]| {
+                [linear(red), linear(green), linear(blue), 1.0]
+            });
+            let material = match (picture, diffuse) {
+                (Some((picture, texture)), diffuse) => Material {
+                    wrap: if texture.is_clamped {
+                        [Wrap::Clamp; 2]
+                    } else {
+                        [Wrap::Repeat; 2]
+                    },
+                    plain: diffuse,
+                    ..Material::of_picture(picture)
+                },
+                (None, Some(diffuse)) => Material::of_colour(diffuse),
+                (None, None) => return None,
+            };
+            let texture = texture.filter(|_| material.picture.is_some());
+            let index = self.textured.materials.len() as u32;
+            self.textured.materials.push(material);
+            let known = (index, texture);
+            self.used.insert(name.to_vec(), known.clone());
+            Some(known)
+        });
     }
 
     fn read_library(&mut self, name: &[u8], file: &SourceFile<'_>, out: &mut Output<'_>) {
         let name = String::from_utf8_lossy(name).replace('\\', "/");
         let path = file.path.with_file_name(&name);
-        let before = self.materials.textured;
         match std::fs::read(&path) {
             Ok(text) => self.materials.read(&text),
             Err(error) => out.warn(
@@ -257,14 +309,10 @@ impl Reader {
                 1,
             ),
         }
-        out.warn(
-            "a material has a texture, which is not read: its plain colour is taken",
-            self.materials.textured - before,
-        );
     }
 
     /// The mesh, with every column as long as there are vertices.
-    fn finish(mut self, out: &mut Output<'_>) -> Mesh {
+    fn finish(mut self, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<Mesh> {
         let count = self.mesh.positions.len();
         if !self.mesh.normals.is_empty() {
             self.mesh.normals.resize(count, [0.0; 3]);
@@ -272,16 +320,11 @@ impl Reader {
         if !self.mesh.uvs.is_empty() {
             self.mesh.uvs.resize(count, [f32::NAN; 2]);
         }
-        if !self.has_colours && !self.material_sums.is_empty() {
-            self.material_sums.resize(count, [0.0; 4]);
-            let mean = |[red, green, blue, count]: &[f32; 4]| {
-                if *count > 0.0 {
-                    [red / count, green / count, blue / count]
-                } else {
-                    [1.0; 3]
-                }
-            };
-            self.mesh.colours = self.material_sums.iter().map(mean).collect();
+        let has_pictures = self.textured.has_pictures();
+        if has_pictures || (!self.has_colours && !self.textured.faces.is_empty()) {
+            let (how, meets) = (self.textures, Meets::Replaces);
+            self.textured
+                .colour(&mut self.mesh, how, meets, out, progress)?;
         }
         out.warn(
             "a line or point element is left out: its vertices are shown",
@@ -291,7 +334,7 @@ impl Reader {
             "a material that no library describes is used: its faces have no colour of their own",
             self.unknown_materials,
         );
-        self.mesh
+        Ok(self.mesh)
     }
 }
 

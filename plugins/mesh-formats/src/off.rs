@@ -2,10 +2,15 @@
 //!
 //! The first word says what a vertex has: `ST` texture coordinates, `C` a colour, `N` a normal, before `OFF`. Four
 //! coordinates (`4OFF`), other dimensions (`nOFF`) and binary files are refused.
+//!
+//! Where vertices have no colour, they take the mean of those of their faces (three or four numbers behind the corners, 0 to 255,
+//! or to 1 where no face has a larger one), in linear light and weighted by area. A single number behind the corners names a colour
+//! of a map that no file holds.
 
 use pointstage_plugin_api::lines::{Line, Lines, excerpt, integer, number};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
+use pointstage_texels::linear;
 
 use crate::columns::Mesh;
 
@@ -214,7 +219,8 @@ fn read(
             mesh.uvs.push([u as f32, v as f32]);
         }
     }
-    let mut coloured = 0;
+    let mut colours: Vec<Option<[f32; 4]>> = Vec::new();
+    let mut indexed = 0;
     for row in 0..face_count {
         look(lines, row)?;
         let line = lines.expect("face", row as usize, face_count)?;
@@ -237,18 +243,61 @@ fn read(
             mesh.corners.push(u32::try_from(corner).unwrap_or(u32::MAX));
         }
         mesh.lengths.push(length);
-        coloured += u64::from(words.next().is_some());
+        let values: Vec<f32> = words
+            .map_while(number)
+            .map(|value| value as f32)
+            .take(4)
+            .collect();
+        let is_named = values.len() == 1 || values.len() == 2;
+        indexed += u64::from(is_named);
+        colours.push(match values[..] {
+            [red, green, blue] => Some([red, green, blue, f32::NAN]),
+            [red, green, blue, alpha] => Some([red, green, blue, alpha]),
+            _ => None,
+        });
     }
     out.warn(
-        "a face has a colour of its own, which is left out",
-        coloured,
+        "a face has a colour by its number in a map, which is left out",
+        indexed,
     );
+    let coloured = colours.iter().flatten().count();
+    if kind.has_colour {
+        out.warn(
+            "a face has a colour of its own, which is left out, since vertices have colours",
+            coloured as u64,
+        );
+    } else if coloured > 0 {
+        mesh.take_face_colours(&as_light(colours));
+    }
     Ok(mesh)
+}
+
+/// Linear colours of faces from those of the file; an alpha that is not given is NaN.
+fn as_light(mut colours: Vec<Option<[f32; 4]>>) -> Vec<Option<[f32; 4]>> {
+    let all = colours.iter().flatten().flatten();
+    let largest = all.fold(0.0_f32, |largest, value| largest.max(*value));
+    // A little above 1 is a rounding of 1.
+    let scale = if largest > 1.5 { 255.0 } else { 1.0 };
+    for colour in colours.iter_mut().flatten() {
+        let [red, green, blue, alpha] = colour.map(|value| (value / scale).clamp(0.0, 1.0));
+        let alpha = if alpha.is_nan() { 1.0 } else { alpha };
+        *colour = [linear(red), linear(green), linear(blue), alpha];
+    }
+    colours
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn colours_of_faces_are_bytes_or_parts_of_one() {
+        let white = Some([1.0; 4]);
+        let of = |colour: [f32; 4]| as_light(vec![Some(colour), None]);
+        assert_eq!(of([255.0, 255.0, 255.0, f32::NAN]), [white, None]);
+        assert_eq!(of([1.0, 1.0, 1.0, 1.0]), [white, None]);
+        assert_eq!(of([0.0, 255.0, 0.0, 0.0]), [Some([0.0, 1.0, 0.0, 0.0]), None]);
+    }
 
     #[test]
     fn the_first_word_says_what_a_vertex_has() {

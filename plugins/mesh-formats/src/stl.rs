@@ -1,5 +1,10 @@
 //! STL, binary and text. A facet names no vertices, so corners at one place become one vertex; the facets' normals are
 //! left to the host, which computes smooth ones from the faces.
+//!
+//! Two conventions keep a colour in the two bytes behind a binary facet, five bits a component. That of Magics is taken where the
+//! header has `COLOR=`, with the colour of facets that have none of their own, which set bit 15; red is in the lowest bits. Else that of
+//! VisCAM and SolidView: bit 15 says that there is a colour, and blue is in the lowest bits. A vertex takes the mean of its facets'
+//! colours, in linear light and weighted by area.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -7,6 +12,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use pointstage_plugin_api::lines::{Line, Lines, number};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
+use pointstage_texels::{linear, linear_of};
 
 use crate::columns::Mesh;
 
@@ -147,6 +153,8 @@ fn read_binary(
     }
     let (facets, _) = body.as_chunks::<FACET>();
     let facets = &facets[..count as usize];
+    let convention = Convention::of(&file[..80]);
+    let mut colours = Vec::with_capacity(facets.len());
     let mut attributed = 0;
     for (piece, some) in facets.chunks(FACETS_A_PIECE).enumerate() {
         progress.check()?;
@@ -160,16 +168,53 @@ fn read_binary(
             let corner =
                 |index: usize| [value(3 * index), value(3 * index + 1), value(3 * index + 2)];
             welder.add_facet([corner(0), corner(1), corner(2)]);
-            attributed += u64::from(facet[48] != 0 || facet[49] != 0);
+            let word = u16::from_le_bytes([facet[48], facet[49]]);
+            let colour = convention.colour(word);
+            attributed += u64::from(word != 0 && colour.is_none());
+            colours.push(colour);
         }
     }
     let rest = body.len() as u64 - count * FACET as u64;
     out.warn("a byte behind the last facet is ignored", rest);
     out.warn(
-        "a facet has attribute bytes, perhaps a colour, which mean something else in every program: they are left out",
+        "a facet has attribute bytes that are no colour, as bit 15 is not set: they are left out",
         attributed,
     );
+    if colours.iter().any(Option::is_some) {
+        welder.mesh.take_face_colours(&colours);
+    }
     Ok(())
+}
+
+/// How the two bytes behind a facet are meant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Convention {
+    /// Magics: the colour of facets without one of their own, linear.
+    Magics([f32; 4]),
+    VisCam,
+}
+
+impl Convention {
+    fn of(header: &[u8]) -> Self {
+        let mark = b"COLOR=";
+        let place = header.windows(mark.len()).position(|word| word == mark);
+        let colour = place.and_then(|place| header.get(place + mark.len()..)?.first_chunk::<3>());
+        colour.map_or(Self::VisCam, |colour| {
+            let [red, green, blue] = colour.map(linear_of);
+            Self::Magics([red, green, blue, 1.0])
+        })
+    }
+
+    /// Colour of a facet, linear.
+    fn colour(self, word: u16) -> Option<[f32; 4]> {
+        let part = |shift: u32| linear(f32::from((word >> shift) & 31) / 31.0);
+        let is_marked = word & 0x8000 != 0;
+        match self {
+            Self::Magics(common) if is_marked => Some(common),
+            Self::Magics(_) => Some([part(0), part(5), part(10), 1.0]),
+            Self::VisCam => is_marked.then(|| [part(10), part(5), part(0), 1.0]),
+        }
+    }
 }
 
 fn read_text(file: &[u8], welder: &mut Welder, progress: &Progress<'_>) -> Result<()> {
@@ -220,4 +265,26 @@ fn read_text(file: &[u8], welder: &mut Welder, progress: &Progress<'_>) -> Resul
         return Err(fail(&last, "'endsolid' in the end"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_conventions_give_the_same_red() {
+        let red = Some([1.0, 0.0, 0.0, 1.0]);
+        let viscam = Convention::of(&[b' '; 80]);
+        assert_eq!(viscam.colour(0x8000 | 31 << 10), red);
+        assert_eq!(viscam.colour(31 << 10), None);
+        let mut header = [b' '; 80];
+        header[20..30].copy_from_slice(b"COLOR=\x00\xff\x00\xff");
+        let magics = Convention::of(&header);
+        assert_eq!(magics.colour(31), red);
+        assert_eq!(magics.colour(0x8000), Some([0.0, 1.0, 0.0, 1.0]));
+        // A mark at the very end has no colour behind it.
+        let mut header = [b' '; 80];
+        header[74..].copy_from_slice(b"COLOR=");
+        assert_eq!(Convention::of(&header), Convention::VisCam);
+    }
 }

@@ -10,3 +10,4 @@ mod meshes;
 mod points;
 mod shared_points;
 mod small;
+mod textures;

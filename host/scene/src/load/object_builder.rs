@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::LoadOptions;
 use super::assemble::{
-    ByteOrder, CornerLists, Corners, FaceKind, Field, MOST_VERTICES, NamedRole, Roles, Table,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, MOST_VERTICES, NamedRole, Roles, Table,
     TableColumn, Triangles, build, finish,
 };
 use super::error::LoadStop;
@@ -302,6 +302,7 @@ impl ObjectBuilder {
             lengths,
             corners,
             with_holes: 0,
+            data: FaceData::default(),
         })]
     }
 }

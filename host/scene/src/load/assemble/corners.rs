@@ -31,6 +31,28 @@ pub(in crate::load) struct CornerLists {
     pub(in crate::load) corners: Vec<u32>,
     /// Rows that have holes.
     pub(in crate::load) with_holes: u64,
+    /// What rows say beside.
+    pub(in crate::load) data: FaceData,
+}
+
+/// What faces say of their colour. What a file does not say stays empty.
+#[derive(Clone, Debug, Default)]
+pub(in crate::load) struct FaceData {
+    /// Texture coordinates of each corner, as the file has them; NaN for those that a face leaves out.
+    pub(in crate::load) uvs: Vec<[f32; 2]>,
+    /// Which of the file's pictures each face takes.
+    pub(in crate::load) pictures: Vec<u32>,
+    /// Colour of each face, sRGB with straight alpha, 0 to 1.
+    pub(in crate::load) colours: Vec<[f32; 4]>,
+}
+
+impl FaceData {
+    /// Takes over what follows.
+    pub(in crate::load) fn append(&mut self, mut other: Self) {
+        self.uvs.append(&mut other.uvs);
+        self.pictures.append(&mut other.pictures);
+        self.colours.append(&mut other.colours);
+    }
 }
 
 /// How a list of corners is meant.

@@ -4,9 +4,9 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::DVec3;
+use pointstage_texels::polygon::{Cut, triangulate};
 
 use super::corners::{CornerLists, Corners, FaceKind, STRIP_END};
-use super::polygon::{Cut, triangulate};
 use crate::estimate::Polygons;
 use crate::job::{Cancelled, Job};
 use crate::warnings::{WarningKind, Warnings};
@@ -217,6 +217,7 @@ struct Scratch {
 
 #[cfg(test)]
 mod tests {
+    use super::super::corners::FaceData;
     use super::*;
 
     fn resolve_lists(kind: FaceKind, rows: &[&[u32]]) -> (Option<Faces>, Warnings) {
@@ -225,6 +226,7 @@ mod tests {
             lengths: rows.iter().map(|row| row.len() as u32).collect(),
             corners: rows.concat(),
             with_holes: 0,
+            data: FaceData::default(),
         };
         let centre = |index: u32| DVec3::new(f64::from(index % 2), f64::from(index / 2), 0.0);
         let vertices = Vertices {

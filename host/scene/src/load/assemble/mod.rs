@@ -2,13 +2,12 @@
 //!
 //! A reader makes [`Table`]s of what the file says of its vertices, and [`Corners`] of its faces. `roles` says what each
 //! scalar means; `build` makes columns (see `place` for positions and their origin); `faces` makes triangles of the corners
-//! (`polygon` cuts what has more than three); then [`estimate`](crate::estimate) adds what is missing.
+//! (`pointstage_texels::polygon` cuts what has more than three); then [`estimate`](crate::estimate) adds what is missing.
 
 mod build;
 mod corners;
 mod faces;
 mod place;
-mod polygon;
 mod roles;
 mod table;
 
@@ -18,12 +17,15 @@ use glam::{DAffine3, DVec3};
 
 pub(in crate::load) use build::{Built, build};
 pub(in crate::load) use corners::{
-    CornerLists, Corners, FaceKind, MOST_VERTICES, Triangles, corner_from,
+    CornerLists, Corners, FaceData, FaceKind, MOST_VERTICES, Triangles, corner_from,
 };
 pub(crate) use place::origin_for;
 pub(in crate::load) use place::{MAX_COORDINATE, Placed, usable};
 pub(in crate::load) use roles::{NamedRole, Roles};
-pub(in crate::load) use table::{ByteOrder, Field, Table, TableColumn, read_integer, write_native};
+pub(in crate::load) use table::{
+    ByteOrder, Field, RowSelection, Table, TableColumn, read_integer, read_number,
+    write_native,
+};
 
 use super::loader::Contents;
 use super::{Estimation, LoadOptions, Winding};

@@ -225,6 +225,15 @@ pub(in crate::load) fn read_integer(scalar: ScalarType, bytes: &[u8], order: Byt
     with_scalar_type!(scalar, Scalar => Scalar::read(bytes, order) as i64)
 }
 
+/// Reads one number of `scalar` from the start of `bytes`, which holds at least its size.
+#[allow(
+    clippy::useless_conversion,
+    reason = "one of the types of the macro is f64 itself"
+)]
+pub(in crate::load) fn read_number(scalar: ScalarType, bytes: &[u8], order: ByteOrder) -> f64 {
+    with_scalar_type!(scalar, Scalar => f64::from(Scalar::read(bytes, order)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

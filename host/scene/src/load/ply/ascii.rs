@@ -15,13 +15,14 @@ use super::binary::columns_of;
 use super::body::{Body, Stop};
 use super::error::PlyError;
 use super::header::{Element, PlyHeader, PropertyKind};
+use super::face_data::RowExtras;
 use super::plan::{ElementUse, FaceLists};
 use super::row::{Fault, Row};
 use super::text::{Piece, Text};
 use crate::geometry::ScalarType;
 use crate::job::Job;
 use crate::load::assemble::{
-    ByteOrder, CornerLists, Corners, FaceKind, Table, Triangles, corner_from, write_native,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, Triangles, corner_from, write_native,
 };
 use crate::load::fill::zeroed_slice;
 use crate::load::source::Source;
@@ -163,6 +164,7 @@ impl RowReader<'_, '_> {
         let parts = self.parts();
         if lists.kind == FaceKind::Polygons
             && lists.holes.is_none()
+            && lists.extras.is_empty()
             && let Some(triangles) = self.all_triangles(&parts, lists, job)?
         {
             return Ok(Corners::Triangles(triangles));
@@ -172,6 +174,7 @@ impl RowReader<'_, '_> {
             lengths: Vec::new(),
             corners: Vec::new(),
             with_holes: 0,
+            data: FaceData::default(),
         };
         let read = parts.par_iter().map(|part| {
             job.check()?;
@@ -186,6 +189,7 @@ impl RowReader<'_, '_> {
                 joined.lengths.extend(part.lengths);
                 joined.corners.extend(part.corners);
                 joined.with_holes += part.with_holes;
+                joined.data.append(part.data);
                 Ok(joined)
             })
             .map(Corners::Lists)
@@ -271,7 +275,13 @@ impl RowReader<'_, '_> {
         lists: FaceLists,
         found: &mut CornerLists,
     ) -> Result<(), Fault> {
+        let mut extras = RowExtras::new(lists.extras);
         for (index, property) in self.element.properties.iter().enumerate() {
+            if extras.wants(index) {
+                let values = row.values(index, property.kind)?;
+                extras.take(index, property.kind.scalar(), &values, &mut found.data);
+                continue;
+            }
             if index != lists.corners {
                 let length = row.skip(index, property.kind)?;
                 found.with_holes += u64::from(Some(index) == lists.holes && length > 0);
@@ -283,6 +293,7 @@ impl RowReader<'_, '_> {
             }
             found.lengths.push(length);
         }
+        extras.end(found.corners.len(), &mut found.data);
         Ok(())
     }
 

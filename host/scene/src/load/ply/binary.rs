@@ -8,11 +8,13 @@ use std::borrow::Cow;
 use super::body::{Body, Stop};
 use super::error::{Place, PlyError};
 use super::header::{Element, PlyHeader, PropertyKind};
+use super::face_data::RowExtras;
 use super::plan::{ElementUse, FaceLists};
 use super::triangles::all_triangles;
 use crate::job::Job;
 use crate::load::assemble::{
-    ByteOrder, CornerLists, Corners, FaceKind, Table, TableColumn, corner_from, read_integer,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, TableColumn, corner_from, read_integer,
+    read_number,
 };
 use crate::warnings::{WarningKind, Warnings};
 
@@ -214,6 +216,7 @@ impl<'a> Cursor<'a> {
     fn faces(&mut self, element: &Element, lists: FaceLists, job: &Job) -> Result<Corners, Stop> {
         if lists.kind == FaceKind::Polygons
             && lists.holes.is_none()
+            && lists.extras.is_empty()
             && let Some((triangles, length)) =
                 all_triangles(self.rest(), element, lists.corners, self.order, job)?
         {
@@ -225,13 +228,26 @@ impl<'a> Cursor<'a> {
             lengths: Vec::new(),
             corners: Vec::new(),
             with_holes: 0,
+            data: FaceData::default(),
         };
+        let mut values = Vec::new();
         for row in 0..element.count {
             if row % ROWS_A_PIECE as u64 == 0 {
                 job.check()?;
             }
+            let mut extras = RowExtras::new(lists.extras);
             for (index, property) in element.properties.iter().enumerate() {
                 let (length, bytes) = self.value(element, row, index)?;
+                if extras.wants(index) {
+                    let scalar = property.kind.scalar();
+                    values.clear();
+                    values.extend(
+                        bytes
+                            .chunks_exact(scalar.size())
+                            .map(|value| read_number(scalar, value, self.order)),
+                    );
+                    extras.take(index, scalar, &values, &mut found.data);
+                }
                 if index == lists.corners {
                     let PropertyKind::List { item, .. } = property.kind else {
                         continue;
@@ -245,6 +261,7 @@ impl<'a> Cursor<'a> {
                     found.with_holes += 1;
                 }
             }
+            extras.end(found.corners.len(), &mut found.data);
         }
         Ok(Corners::Lists(found))
     }

@@ -19,6 +19,8 @@ pub(super) enum Encoding {
 pub(super) struct PlyHeader {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// Names of pictures, in the order of their comments `TextureFile`.
+    pub(super) textures: Vec<String>,
     /// Offset of the body's first byte.
     pub(super) body_start: usize,
     /// Lines of the header, so that messages can count on.
@@ -53,6 +55,13 @@ pub(super) enum PropertyKind {
 }
 
 impl PropertyKind {
+    /// Type of its value, or of a list's values.
+    pub(super) const fn scalar(self) -> ScalarType {
+        match self {
+            Self::Scalar(scalar) | Self::List { item: scalar, .. } => scalar,
+        }
+    }
+
     /// Least bytes that a row's value takes.
     pub(super) const fn min_size(self) -> usize {
         match self {
@@ -118,6 +127,7 @@ impl PlyHeader {
         lines.next_line()?;
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
+        let mut textures = Vec::new();
         loop {
             let text = lines.next_line()?;
             let line = lines.line;
@@ -139,6 +149,12 @@ impl PlyHeader {
             };
             match words[..] {
                 ["end_header"] => break,
+                ["comment", "TextureFile", ..] => {
+                    // Names may hold blanks.
+                    let text = String::from_utf8_lossy(text);
+                    let name = text.split_once("TextureFile").map_or("", |(_, name)| name);
+                    textures.push(name.trim().to_owned());
+                }
                 ["comment" | "obj_info", ..] | [] => {}
                 ["format", name, _version] => {
                     let known = "format ascii, binary_little_endian or binary_big_endian";
@@ -175,6 +191,7 @@ impl PlyHeader {
         Ok(Self {
             encoding,
             elements,
+            textures,
             body_start: lines.position,
             line_count: lines.line,
             line_end,

@@ -2,7 +2,7 @@
 //!
 //! Data passes in this order. `header` parses types and counts; `plan` decides which element is for what; `body` (by
 //! `binary` or `ascii`) turns vertices into tables of scalars and faces into lists of corners; of these `assemble` makes the
-//! object, as for every format. Sizes are compared with the file before anything is allocated, so a small file never takes
+//! object, as for every format, with colours from pictures and faces (`colours`). Sizes are compared with the file before anything is allocated, so a small file never takes
 //! much memory, whatever its header says.
 //!
 //! The format: G. Turk, *The PLY Polygon File Format*, 1994; the names of properties are those in use since (see `roles` in
@@ -11,7 +11,9 @@
 mod ascii;
 mod binary;
 mod body;
+mod colours;
 mod error;
+mod face_data;
 mod header;
 pub(in crate::load) mod number;
 mod plan;
@@ -23,13 +25,15 @@ mod words;
 pub use error::PlyError;
 
 use body::{Body, Stop};
+use colours::Textures;
 use header::PlyHeader;
+
+use pointstage_plugin_api::settings_schema::SettingValues;
 
 use super::LoadOptions;
 use super::assemble::{Roles, build, finish};
 use super::error::LoadStop;
 use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
-use super::source::Source;
 use crate::job::Job;
 use crate::warnings::Warnings;
 
@@ -42,7 +46,10 @@ pub(super) struct PlyLoader {
 impl PlyLoader {
     pub(super) fn new() -> Self {
         Self {
-            info: LoaderInfo::built_in("ply", "Polygon file format (PLY)", &["ply"]),
+            info: LoaderInfo {
+                settings: Textures::settings(),
+                ..LoaderInfo::built_in("ply", "Polygon file format (PLY)", &["ply"])
+            },
         }
     }
 }
@@ -66,7 +73,10 @@ impl Loader for PlyLoader {
         options: &LoadOptions,
         job: &Job,
     ) -> Result<Contents, LoadStop> {
-        read(file.source(), options, job).map_err(|stop| match stop {
+        let given = options.loader.as_ref().map(|choice| &choice.settings);
+        let textures =
+            Textures::from_values(&self.info.settings, given.unwrap_or(&SettingValues::new()))?;
+        read(file, textures, options, job).map_err(|stop| match stop {
             Stop::Ply(error) => LoadStop::Format(error),
             Stop::Cancelled => LoadStop::Cancelled,
         })
@@ -74,12 +84,21 @@ impl Loader for PlyLoader {
 }
 
 /// Reads the bytes of a PLY file.
-fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Stop> {
+fn read(
+    source: &SourceFile,
+    textures: Textures,
+    options: &LoadOptions,
+    job: &Job,
+) -> Result<Contents, Stop> {
+    let file = source.source();
     let mut warnings = Warnings::new();
     job.set_stage("reading the file");
     let header = PlyHeader::parse(file)?;
     let uses = plan::plan(&header)?;
-    let Body { tables, faces } = Body::read(file, &header, &uses, job, &mut warnings)?;
+    let mut body = Body::read(file, &header, &uses, job, &mut warnings)?;
+    let (names, path) = (&header.textures, source.path());
+    let lights = colours::find(&mut body, names, path, textures, job, &mut warnings)?;
+    let Body { tables, faces } = body;
     job.set_progress(0.3);
     job.set_stage("building columns");
     // The plan found x and y, and an element's scalars all become columns.
@@ -87,7 +106,10 @@ fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Sto
         found: "x or y as a list".into(),
     })?;
     let row_count = tables.first().map_or(0, |(_, table)| table.rows);
-    let built = build(&roles, row_count, options.winding, job, &mut warnings)?;
+    let mut built = build(&roles, row_count, options.winding, job, &mut warnings)?;
+    if let Some(lights) = lights {
+        colours::apply(&mut built, &lights);
+    }
     drop(roles);
     drop(tables);
     file.release(0..file.len());

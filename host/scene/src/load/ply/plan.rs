@@ -27,6 +27,43 @@ pub(super) struct FaceLists {
     /// Index of a property that lists the corner counts of holes.
     pub(super) holes: Option<usize>,
     pub(super) kind: FaceKind,
+    pub(super) extras: FaceExtras,
+}
+
+/// Indices of properties that say what colour a polygon has; of those that are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct FaceExtras {
+    /// A list of u and v of each corner.
+    pub(super) uvs: Option<usize>,
+    /// The number of the picture.
+    pub(super) picture: Option<usize>,
+    /// Red, green, blue.
+    pub(super) colour: Option<[usize; 3]>,
+    /// Alpha of that colour.
+    pub(super) alpha: Option<usize>,
+}
+
+impl FaceExtras {
+    /// Whether rows need to be read for more than their corners.
+    pub(super) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn of(element: &Element, wants_colours: bool) -> Self {
+        let is_list = |index: &usize| {
+            matches!(element.properties[*index].kind, PropertyKind::List { .. })
+        };
+        let scalar = |name: &str| element.find(name).filter(|index| !is_list(index));
+        let uvs = element.find("texcoord").filter(is_list);
+        let colour = || Some([scalar("red")?, scalar("green")?, scalar("blue")?]);
+        let colour = wants_colours.then(colour).flatten();
+        Self {
+            uvs,
+            picture: uvs.and_then(|_| scalar("texnumber")),
+            colour,
+            alpha: colour.and_then(|_| scalar("alpha")),
+        }
+    }
 }
 
 /// The use of each element, in file order.
@@ -55,6 +92,13 @@ pub(super) fn plan(header: &PlyHeader) -> Result<Vec<ElementUse>, PlyError> {
         });
     }
     let split = first.name == "vertex_position";
+    let wants_colours = !elements.iter().any(|element| {
+        let is_vertices = std::ptr::eq(element, first) || element.name.starts_with("vertex_");
+        let is_coloured = ["red", "diffuse_red", "r"]
+            .iter()
+            .any(|name| element.find(name).is_some());
+        (is_vertices || element.name.starts_with("colo")) && is_coloured
+    });
     let use_of = |element: &Element| {
         let is_colour =
             matches!(element.name.as_str(), "color" | "colour") && element.count == first.count;
@@ -72,7 +116,7 @@ pub(super) fn plan(header: &PlyHeader) -> Result<Vec<ElementUse>, PlyError> {
             }
             return Ok(ElementUse::Vertices);
         }
-        Ok(face_lists(element).map_or(ElementUse::Skipped, ElementUse::Faces))
+        Ok(face_lists(element, wants_colours).map_or(ElementUse::Skipped, ElementUse::Faces))
     };
     elements.iter().map(use_of).collect()
 }
@@ -114,7 +158,7 @@ fn no_positions(elements: &[Element]) -> PlyError {
     }
 }
 
-fn face_lists(element: &Element) -> Option<FaceLists> {
+fn face_lists(element: &Element, wants_colours: bool) -> Option<FaceLists> {
     let kind = match element.name.as_str() {
         "face" | "faces" | "polygon" => FaceKind::Polygons,
         "tristrips" | "tristrip" => FaceKind::Strips,
@@ -142,10 +186,15 @@ fn face_lists(element: &Element) -> Option<FaceLists> {
         .find(is_list)
         .or_else(|| (0..element.properties.len()).find(is_integer_list))?;
     let holes = element.find("inner_vertex_counts").filter(is_list);
+    let extras = match kind {
+        FaceKind::Polygons => FaceExtras::of(element, wants_colours),
+        FaceKind::Strips => FaceExtras::default(),
+    };
     Some(FaceLists {
         corners,
         holes,
         kind,
+        extras,
     })
 }
 
@@ -175,8 +224,25 @@ mod tests {
             corners: 1,
             holes: None,
             kind: FaceKind::Polygons,
+            extras: FaceExtras {
+                uvs: Some(0),
+                ..FaceExtras::default()
+            },
         };
         assert_eq!(uses[1], ElementUse::Faces(lists));
+    }
+
+    #[test]
+    fn colours_of_faces_are_read_where_vertices_have_none() {
+        let faces = "element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\nproperty uchar blue";
+        for (vertex, colour) in [("", Some([1, 2, 3])), ("\nproperty uchar red", None)] {
+            let text = format!("element vertex 1\nproperty int x\nproperty int y{vertex}\n{faces}");
+            let uses = plan_of(&text).unwrap();
+            let ElementUse::Faces(lists) = uses[1] else {
+                panic!("faces are {:?}", uses[1]);
+            };
+            assert_eq!(lists.extras.colour, colour);
+        }
     }
 
     #[test]

@@ -78,6 +78,19 @@ impl<'a> Row<'a> {
             .ok_or(Fault::ListLength { property, found })
     }
 
+    /// The values of a property: one, or those of a list.
+    pub(super) fn values(
+        &mut self,
+        property: usize,
+        kind: PropertyKind,
+    ) -> Result<Vec<f64>, Fault> {
+        let length = match kind {
+            PropertyKind::Scalar(_) => 1,
+            PropertyKind::List { .. } => self.list_length(property)?,
+        };
+        (0..length).map(|_| self.number(property)).collect()
+    }
+
     /// Passes over a property; how many values it had.
     #[inline]
     pub(super) fn skip(&mut self, property: usize, kind: PropertyKind) -> Result<u32, Fault> {

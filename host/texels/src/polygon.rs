@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 /// How a polygon was cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::load) enum Cut {
+pub enum Cut {
     /// Three corners, or a convex polygon.
     Fan,
     /// Not convex: ear by ear.
@@ -17,7 +17,7 @@ const MOST_CORNERS_CLIPPED: usize = 4096;
 /// Cuts a polygon of three or more corners into triangles of indices into `corners`, one less than two per corner.
 ///
 /// Convexity is judged in the plane of the polygon's mean normal (Newell's); a polygon without a plane is fanned.
-pub(in crate::load) fn triangulate(corners: &[DVec3], triangles: &mut Vec<[usize; 3]>) -> Cut {
+pub fn triangulate(corners: &[DVec3], triangles: &mut Vec<[usize; 3]>) -> Cut {
     let fan = |triangles: &mut Vec<[usize; 3]>| {
         triangles.extend((1..corners.len() - 1).map(|index| [0, index, index + 1]));
         Cut::Fan
@@ -46,7 +46,7 @@ pub(in crate::load) fn triangulate(corners: &[DVec3], triangles: &mut Vec<[usize
 }
 
 /// Twice the area vector of a closed polygon: the sum of cross products of successive corners, seen from the first one.
-pub(in crate::load) fn newell_normal(corners: &[DVec3]) -> DVec3 {
+pub fn newell_normal(corners: &[DVec3]) -> DVec3 {
     corners
         .windows(2)
         .map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]))
