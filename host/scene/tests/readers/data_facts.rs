@@ -4,7 +4,7 @@
 
 use std::collections::HashSet;
 
-use crate::data::{Fact, REFUSED, data_folder, facts, load_file};
+use crate::data::{ElementFact, Fact, REFUSED, data_folder, facts, load_file};
 use pointstage_scene::{
     Estimation, Geometry, Job, LoadOptions, Loaded, Provenance, ScalarType, WarningKind, Winding,
     load,
@@ -54,6 +54,35 @@ fn every_property_becomes_a_column_and_every_other_element_is_named() {
     }
 }
 
+#[test]
+fn a_vertex_without_colour_has_the_mean_of_its_faces() {
+    let Some(folder) = data_folder() else { return };
+    let path = "ply-odd/plyfile_comment_in_element_ascii.ply";
+    let loaded = load_file(&folder, path, Estimation::FileOnly).expect("a sound file");
+    let colours = loaded.object.geometry.blocks[0].colour.as_ref();
+    let found: Vec<[u8; 4]> = colours
+        .expect("colours")
+        .iter()
+        .map(|packed| packed.to_le_bytes())
+        .collect();
+    // Each vertex has three of four faces of one area, in white, red, green and blue: one or two thirds of the light.
+    let of_faces = |own: [[u8; 3]; 3]| {
+        let channel = |index: usize| own.iter().filter(|face| face[index] == 255).count();
+        let byte = |count: usize| [0, 156, 213, 255][count];
+        [byte(channel(0)), byte(channel(1)), byte(channel(2)), 255]
+    };
+    let (white, red, green, blue) = ([255; 3], [255, 0, 0], [0, 255, 0], [0, 0, 255]);
+    assert_eq!(
+        found,
+        [
+            of_faces([white, red, green]),
+            of_faces([white, green, blue]),
+            of_faces([white, red, blue]),
+            of_faces([red, green, blue]),
+        ]
+    );
+}
+
 fn check_columns(fact: &Fact, loaded: &Loaded) {
     let Some(element) = fact
         .elements
@@ -71,8 +100,16 @@ fn check_columns(fact: &Fact, loaded: &Loaded) {
     let geometry = &loaded.object.geometry;
     let found = [&geometry.origins.normals, &geometry.origins.colours]
         .map(|provenance| *provenance == Provenance::FromFile);
+    // Vertices without colours take those of their faces.
+    let of_faces = |element: &ElementFact| {
+        let has_red = |property: &String| property.ends_with(" red");
+        element.name == "face" && element.properties.iter().any(has_red)
+    };
     let has_colours = ["red", "r", "diffuse_red"].into_iter().any(has)
-        || fact.elements.iter().any(|element| element.name == "color");
+        || fact
+            .elements
+            .iter()
+            .any(|element| element.name == "color" || of_faces(element));
     // Some programs write normals of zeros, which are none.
     let useless = loaded.warnings.count(&WarningKind::UnusableNormalsReplaced);
     let has_normals = has("nx") && useless < geometry.surfel_count as u64;
