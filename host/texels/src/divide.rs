@@ -269,7 +269,10 @@ mod tests {
             for side in 0..3 {
                 let [a, b] = [triangle[side], triangle[(side + 1) % 3]];
                 let texels = ((a[0] - b[0]) * 64.0).hypot((a[1] - b[1]) * 16.0);
-                assert!(*material != 0 || texels.is_nan() || texels <= FINE_ENOUGH, "{texels}");
+                assert!(
+                    *material != 0 || texels.is_nan() || texels <= FINE_ENOUGH,
+                    "{texels}"
+                );
             }
         }
         for (index, [a, b]) in divided.parents.iter().enumerate() {
@@ -299,6 +302,9 @@ mod tests {
         assert_eq!(run(&mut surface, &plain, MOST_VERTICES), Divided::default());
         surface.positions = vec![[1.0; 3]; 4];
         let (_, materials) = tetrahedron();
-        assert_eq!(run(&mut surface, &materials, MOST_VERTICES), Divided::default());
+        assert_eq!(
+            run(&mut surface, &materials, MOST_VERTICES),
+            Divided::default()
+        );
     }
 }

@@ -305,7 +305,10 @@ mod tests {
         bytes[..4].copy_from_slice(&[0, 0, 0, 255]);
         let picture = Picture::from_rgba(4, 1, bytes, Alpha::Respected);
         let point = [DVec2::new(0.1, 0.5); 4];
-        assert_eq!(picture.mean(point, [Wrap::Clamp; 2]), Some([0.0, 0.0, 0.0, 1.0]));
+        assert_eq!(
+            picture.mean(point, [Wrap::Clamp; 2]),
+            Some([0.0, 0.0, 0.0, 1.0])
+        );
         let line = [0.0, 0.25, 0.5, 0.25].map(|u| DVec2::new(u, 0.5));
         let [red, ..] = picture.mean(line, [Wrap::Clamp; 2]).unwrap();
         assert!((red - 0.5).abs() < 0.13, "half of it is black, got {red}");

@@ -214,7 +214,9 @@ fn taps(from: usize, to: usize) -> Vec<Taps> {
         let first = start / to;
         let parts = std::array::from_fn(|offset| {
             let texel = first + offset;
-            let covered = end.min((texel + 1) * to).saturating_sub(start.max(texel * to));
+            let covered = end
+                .min((texel + 1) * to)
+                .saturating_sub(start.max(texel * to));
             covered as f32 / from as f32
         });
         Taps { first, parts }
@@ -239,7 +241,13 @@ mod tests {
     fn the_last_level_is_the_mean_of_all_whatever_the_size() {
         for (width, height) in [(1, 1), (8, 8), (7, 5), (3, 1), (13, 2), (1, 9)] {
             let bytes: Vec<u8> = (0..width * height * 4)
-                .map(|index| if index % 4 == 3 { 255 } else { (index * 37 % 251) as u8 })
+                .map(|index| {
+                    if index % 4 == 3 {
+                        255
+                    } else {
+                        (index * 37 % 251) as u8
+                    }
+                })
                 .collect();
             let mut expected = [0.0; 3];
             for texel in bytes.as_chunks::<4>().0 {
@@ -253,7 +261,10 @@ mod tests {
             let found = last.texel(0, 0);
             for (found, expected) in found.iter().zip(expected) {
                 // A level rounds by half a step of 16 bits.
-                assert!((found - expected).abs() < 5e-5, "{width}×{height}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() < 5e-5,
+                    "{width}×{height}: {found} {expected}"
+                );
             }
         }
     }
@@ -270,7 +281,10 @@ mod tests {
             .unwrap();
         let picture = Picture::decode(&jpeg, Alpha::Respected).unwrap();
         for (found, expected) in picture.levels[0].texel(8, 8).iter().zip([200_u8, 100, 50]) {
-            assert!(srgb_byte(*found).abs_diff(expected) <= 2, "{found} {expected}");
+            assert!(
+                srgb_byte(*found).abs_diff(expected) <= 2,
+                "{found} {expected}"
+            );
         }
         for file in [&b"GIF89a............"[..], b"", b"hello"] {
             let error = Picture::decode(file, Alpha::Respected).unwrap_err();
@@ -299,7 +313,11 @@ mod tests {
     fn crc32(bytes: &[u8]) -> u32 {
         !bytes.iter().fold(!0, |crc, byte| {
             (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-                if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 }
+                if crc & 1 == 1 {
+                    (crc >> 1) ^ 0xedb8_8320
+                } else {
+                    crc >> 1
+                }
             })
         })
     }

@@ -70,9 +70,8 @@ impl Material {
 
     /// Light times alpha that a part of the texture plane gives.
     pub fn light(&self, part: [DVec2; 4]) -> Option<[f32; 4]> {
-        let cover = |[red, green, blue, alpha]: [f32; 4]| {
-            [red * alpha, green * alpha, blue * alpha, alpha]
-        };
+        let cover =
+            |[red, green, blue, alpha]: [f32; 4]| [red * alpha, green * alpha, blue * alpha, alpha];
         let picture = self.picture.as_ref();
         let light = picture.and_then(|picture| picture.mean(part, self.wrap));
         let factor = cover(self.factor);
@@ -197,7 +196,13 @@ mod tests {
 
     fn halves() -> Arc<Picture> {
         // Left red, right blue.
-        let texel = |index: usize| if index % 8 < 4 { [255, 0, 0, 255] } else { [0, 0, 255, 255] };
+        let texel = |index: usize| {
+            if index % 8 < 4 {
+                [255, 0, 0, 255]
+            } else {
+                [0, 0, 255, 255]
+            }
+        };
         let bytes = (0..64).flat_map(texel).collect();
         Arc::new(Picture::from_rgba(8, 8, bytes, Alpha::Respected))
     }
@@ -213,7 +218,13 @@ mod tests {
     #[test]
     fn a_vertex_takes_what_lies_nearest_and_both_sides_of_a_seam() {
         let surface = Surface {
-            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [9.0; 3]],
+            positions: vec![
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [-1.0, 0.0, 0.0],
+                [9.0; 3],
+            ],
             triangles: vec![[0, 1, 2], [0, 2, 3], [0, 1, 77]],
             uvs: vec![
                 [[0.0, 0.0], [0.4, 0.0], [0.0, 0.4]],
@@ -225,7 +236,10 @@ mod tests {
         let found = of_all(&surface, &[Material::of_picture(halves())]);
         // Half of the light of each: 188 of 255.
         let half = Some([188, 0, 188]);
-        assert_eq!(found, [half, Some([255, 0, 0]), half, Some([0, 0, 255]), None]);
+        assert_eq!(
+            found,
+            [half, Some([255, 0, 0]), half, Some([0, 0, 255]), None]
+        );
     }
 
     #[test]
@@ -242,7 +256,10 @@ mod tests {
         let never = |_| Ok::<(), std::convert::Infallible>(());
         let Ok(sums) = colours(&surface, &[half, green], never);
         let [red, green, blue, alpha] = sums[0].mean().unwrap();
-        assert!((red - 0.375).abs() < 1e-6 && (green - 0.25).abs() < 1e-6, "{red} {green}");
+        assert!(
+            (red - 0.375).abs() < 1e-6 && (green - 0.25).abs() < 1e-6,
+            "{red} {green}"
+        );
         assert_eq!((blue, alpha), (0.0, 1.0));
     }
 
@@ -255,11 +272,20 @@ mod tests {
             [4, 3, 3],
             &[0, 1, 2, 3, 0, 3, 4, 0, 1, 9],
             |corner| places[corner as usize],
-            |face| Some(if face == 0 { [1.0, 0.0, 0.0, 1.0] } else { [0.0, 0.0, 1.0, 1.0] }),
+            |face| {
+                Some(if face == 0 {
+                    [1.0, 0.0, 0.0, 1.0]
+                } else {
+                    [0.0, 0.0, 1.0, 1.0]
+                })
+            },
         );
         // A quarter of area 1 and a third of area 1/2.
         let [red, _, blue, _] = sums[0].mean().unwrap();
-        assert!((red - 0.6).abs() < 1e-6 && (blue - 0.4).abs() < 1e-6, "{red} {blue}");
+        assert!(
+            (red - 0.6).abs() < 1e-6 && (blue - 0.4).abs() < 1e-6,
+            "{red} {blue}"
+        );
         assert_eq!(sums[1].mean(), Some([1.0, 0.0, 0.0, 1.0]));
         assert_eq!(sums[4].mean(), Some([0.0, 0.0, 1.0, 1.0]));
     }

@@ -77,8 +77,8 @@ impl Texture {
             let (option, mut rest) = split_word(text);
             let vector = matches!(option, b"-s" | b"-o" | b"-t");
             let least = match option {
-                b"-s" | b"-o" | b"-t" | b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-imfchan"
-                | b"-texres" | b"-boost" | b"-bm" | b"-type" => 1,
+                b"-s" | b"-o" | b"-t" | b"-blendu" | b"-blendv" | b"-cc" | b"-clamp"
+                | b"-imfchan" | b"-texres" | b"-boost" | b"-bm" | b"-type" => 1,
                 b"-mm" => 2,
                 // A name that begins with a dash.
                 _ => break,
@@ -96,8 +96,14 @@ impl Texture {
             }
             let value = |index: usize| values.get(index).and_then(|word| number(word));
             match option {
-                b"-s" => found.scale = [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)].map(|value| value as f32),
-                b"-o" => found.offset = [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)].map(|value| value as f32),
+                b"-s" => {
+                    found.scale =
+                        [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)].map(|value| value as f32)
+                }
+                b"-o" => {
+                    found.offset =
+                        [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)].map(|value| value as f32)
+                }
                 b"-clamp" => found.is_clamped = values.first() == Some(&&b"on"[..]),
                 _ => {}
             }
@@ -145,7 +151,10 @@ mod tests {
         let none = &materials.all[&b"none"[..]];
         assert_eq!(none.diffuse, None);
         let texture = none.texture.as_ref().unwrap();
-        assert_eq!((texture.name.as_str(), texture.place([0.25, 0.25])), ("my a.png", [0.25, 0.75]));
+        assert_eq!(
+            (texture.name.as_str(), texture.place([0.25, 0.25])),
+            ("my a.png", [0.25, 0.75])
+        );
         assert_eq!(materials.all.len(), 2);
     }
 
@@ -154,7 +163,10 @@ mod tests {
         let parse = |text: &str| Texture::parse(text.as_bytes());
         let all = parse("-s 2 3 1 -o 0.5 -clamp on -mm 0 1 -bm 1 folder\\a b.png").unwrap();
         assert_eq!(all.name, "folder\\a b.png");
-        assert_eq!((all.scale, all.offset, all.is_clamped), ([2.0, 3.0], [0.5, 0.0], true));
+        assert_eq!(
+            (all.scale, all.offset, all.is_clamped),
+            ([2.0, 3.0], [0.5, 0.0], true)
+        );
         assert_eq!(parse("-s 2 a.png").unwrap().scale, [2.0, 1.0]);
         assert_eq!(parse("-odd.png").unwrap().name, "-odd.png");
         assert_eq!(parse("-clamp on"), None);

@@ -274,9 +274,9 @@ impl Reader {
                 let picture = self.pictures.beside(file.path, &texture.name, out)?;
                 Some((picture, texture))
             });
-            let diffuse = described.diffuse.map(|[red, green, blue]| {
-                [linear(red), linear(green), linear(blue), 1.0]
-            });
+            let diffuse = described
+                .diffuse
+                .map(|[red, green, blue]| [linear(red), linear(green), linear(blue), 1.0]);
             let material = match (picture, diffuse) {
                 (Some((picture, texture)), diffuse) => Material {
                     wrap: if texture.is_clamped {

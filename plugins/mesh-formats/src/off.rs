@@ -296,7 +296,10 @@ mod tests {
         let of = |colour: [f32; 4]| as_light(vec![Some(colour), None]);
         assert_eq!(of([255.0, 255.0, 255.0, f32::NAN]), [white, None]);
         assert_eq!(of([1.0, 1.0, 1.0, 1.0]), [white, None]);
-        assert_eq!(of([0.0, 255.0, 0.0, 0.0]), [Some([0.0, 1.0, 0.0, 0.0]), None]);
+        assert_eq!(
+            of([0.0, 255.0, 0.0, 0.0]),
+            [Some([0.0, 1.0, 0.0, 0.0]), None]
+        );
     }
 
     #[test]

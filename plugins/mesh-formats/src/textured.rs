@@ -9,8 +9,8 @@ use pointstage_plugin_api::loading::Output;
 use pointstage_plugin_api::{Error, Progress, Result, Settings};
 use pointstage_texels::polygon::triangulate;
 use pointstage_texels::{
-    Alpha, LightSum, MOST_VERTICES, Material, NO_MATERIAL, Picture, Surface, colours, divide, linear,
-    read_beside, srgb,
+    Alpha, LightSum, MOST_VERTICES, Material, NO_MATERIAL, Picture, Surface, colours, divide,
+    linear, read_beside, srgb,
 };
 
 use crate::columns::Mesh;
@@ -75,7 +75,9 @@ impl Pictures {
             Ok(picture) => Some(Arc::new(picture)),
             Err(error) => {
                 out.warn(
-                    &format!("the texture '{name}' cannot be read ({error}): its colours are left out"),
+                    &format!(
+                        "the texture '{name}' cannot be read ({error}): its colours are left out"
+                    ),
                     1,
                 );
                 None
@@ -146,7 +148,11 @@ impl Textured {
         for (face, length) in mesh.lengths.iter().enumerate() {
             let corners = start..start + *length as usize;
             start = corners.end;
-            let Some(own) = mesh.corners.get(corners.clone()).filter(|own| own.len() > 2) else {
+            let Some(own) = mesh
+                .corners
+                .get(corners.clone())
+                .filter(|own| own.len() > 2)
+            else {
                 continue;
             };
             places.clear();
@@ -183,7 +189,8 @@ impl Mesh {
             let (a, b) = (*a as usize, *b as usize);
             if !self.normals.is_empty() {
                 let (a, b) = (self.normals[a], self.normals[b]);
-                self.normals.push(std::array::from_fn(|axis| a[axis] + b[axis]));
+                self.normals
+                    .push(std::array::from_fn(|axis| a[axis] + b[axis]));
             }
             if !self.colours.is_empty() {
                 let (a, b) = (self.colours[a], self.colours[b]);

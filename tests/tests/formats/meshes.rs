@@ -263,10 +263,7 @@ fn gltf_with_a_texture_beside_it_takes_its_texels() -> Result<()> {
     });
     let text = document.to_string();
     let loaded = load_bytes(&first_party()?, folder.path(), "a.gltf", text.as_bytes())?;
-    assert_eq!(
-        colours(&loaded),
-        [[200, 10, 30]; 3]
-    );
+    assert_eq!(colours(&loaded), [[200, 10, 30]; 3]);
     std::fs::remove_file(folder.path().join("a b.png"))?;
     let plain = load_bytes(&first_party()?, folder.path(), "a.gltf", text.as_bytes())?;
     assert!(

@@ -5,9 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use image::{ImageFormat, Rgb, RgbImage, Rgba, RgbaImage};
 use pointstage_plugin_api::settings_schema::SettingValue;
-use pointstage_scene::{
-    Estimation, Job, LoadOptions, Loaded, LoaderChoice, Loaders, load_with,
-};
+use pointstage_scene::{Estimation, Job, LoadOptions, Loaded, LoaderChoice, Loaders, load_with};
 use pointstage_tests::loaders::{first_party, load_bytes};
 use serde_json::{Value, json};
 
@@ -103,7 +101,11 @@ fn obj_vertices_take_the_mean_of_the_texels_round_them() -> Result<()> {
     }
 
     let without = load(&loaders, &path, "obj", "none")?;
-    assert_eq!(crate::meshes::colours(&without)[0], [0, 255, 0], "its own colour");
+    assert_eq!(
+        crate::meshes::colours(&without)[0],
+        [0, 255, 0],
+        "its own colour"
+    );
     Ok(())
 }
 
@@ -118,7 +120,10 @@ fn a_missing_texture_is_a_warning_that_names_it_and_leaves_the_plain_colour() ->
     let loaded = load(&loaders, &path, "obj", "divide")?;
     assert_eq!(colours(&loaded)[..4], [[0, 0, 255]; 4]);
     let said = lines(&loaded.warnings);
-    assert!(said.contains("'maps\\my wood.png'") && said.contains("cannot be read"), "{said}");
+    assert!(
+        said.contains("'maps\\my wood.png'") && said.contains("cannot be read"),
+        "{said}"
+    );
     // Beside the file, and not a picture.
     std::fs::write(folder.path().join("my wood.png"), b"GIF89a, in truth")?;
     let loaded = load(&loaders, &path, "obj", "divide")?;
@@ -215,7 +220,10 @@ fn ply_takes_pictures_of_corners_and_of_vertices() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let loaders = first_party()?;
     let white = encoded(&RgbImage::from_pixel(8, 8, Rgb([255; 3])), ImageFormat::Png)?;
-    std::fs::write(folder.path().join("b wood.jpg"), encoded(&halves(64), ImageFormat::Jpeg)?)?;
+    std::fs::write(
+        folder.path().join("b wood.jpg"),
+        encoded(&halves(64), ImageFormat::Jpeg)?,
+    )?;
     let corners = "\
 ply
 format ascii 1.0
@@ -248,19 +256,29 @@ end_header
     assert!(loaded.warnings.is_empty(), "{}", lines(&loaded.warnings));
     let found = colours(&loaded);
     // JPEG is not exact.
-    assert!(found[3][0] > 250 && found[3][1] < 8, "the left side is red: {found:?}");
+    assert!(
+        found[3][0] > 250 && found[3][1] < 8,
+        "the left side is red: {found:?}"
+    );
     // White of the first picture, and of the second's right half.
     assert!(found[2].iter().all(|channel| *channel > 240), "{found:?}");
     assert_eq!(found[4], [255; 3]);
     let named = &loaded.object.geometry.blocks[0].named;
     let names: Vec<&str> = named.iter().map(|column| &*column.name).collect();
     assert_eq!(names, ["id", "texture_u", "texture_v"]);
-    assert_eq!((named[1].value(2, 0), named[2].value(2, 0)), (Some(1.0), Some(1.0)));
+    assert_eq!(
+        (named[1].value(2, 0), named[2].value(2, 0)),
+        (Some(1.0), Some(1.0))
+    );
 
     let divided = load(&loaders, &path, "ply", "divide")?;
     let geometry = &divided.object.geometry;
     assert!(geometry.surfel_count > 23 * 23, "{}", geometry.surfel_count);
-    assert_eq!(geometry.blocks[0].named[0].value(6, 0), Some(10.0), "of the first end");
+    assert_eq!(
+        geometry.blocks[0].named[0].value(6, 0),
+        Some(10.0),
+        "of the first end"
+    );
     for (surfel, colour) in colours(&divided).iter().enumerate() {
         let at = geometry.centre(surfel).context("a centre")?;
         if at.x < 0.45 {
@@ -327,7 +345,10 @@ end_header
     let off_floats = "OFF\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n9 9 9\n3 0 1 2 1.0 1.0 1.0 1.0\n3 0 2 3 0. 0. 0. 1.\n";
     let mut stl = vec![b' '; 80];
     stl.extend(2_u32.to_le_bytes());
-    for (corners, word) in [([[0, 0], [1, 0], [1, 1]], 0xffff_u16), ([[0, 0], [1, 1], [0, 1]], 0x8000)] {
+    for (corners, word) in [
+        ([[0, 0], [1, 0], [1, 1]], 0xffff_u16),
+        ([[0, 0], [1, 1], [0, 1]], 0x8000),
+    ] {
         stl.extend([0; 12]);
         for [x, y] in corners {
             for value in [x, y, 0] {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::LoadOptions;
 use super::assemble::{
-    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, MOST_VERTICES, NamedRole, Roles, Table,
-    TableColumn, Triangles, build, finish,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, MOST_VERTICES, NamedRole, Roles,
+    Table, TableColumn, Triangles, build, finish,
 };
 use super::error::LoadStop;
 use super::loader::Contents;

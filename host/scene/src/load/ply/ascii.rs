@@ -14,15 +14,16 @@ use rayon::prelude::*;
 use super::binary::columns_of;
 use super::body::{Body, Stop};
 use super::error::PlyError;
-use super::header::{Element, PlyHeader, PropertyKind};
 use super::face_data::RowExtras;
+use super::header::{Element, PlyHeader, PropertyKind};
 use super::plan::{ElementUse, FaceLists};
 use super::row::{Fault, Row};
 use super::text::{Piece, Text};
 use crate::geometry::ScalarType;
 use crate::job::Job;
 use crate::load::assemble::{
-    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, Triangles, corner_from, write_native,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, Triangles, corner_from,
+    write_native,
 };
 use crate::load::fill::zeroed_slice;
 use crate::load::source::Source;

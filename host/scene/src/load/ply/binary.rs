@@ -7,14 +7,14 @@ use std::borrow::Cow;
 
 use super::body::{Body, Stop};
 use super::error::{Place, PlyError};
-use super::header::{Element, PlyHeader, PropertyKind};
 use super::face_data::RowExtras;
+use super::header::{Element, PlyHeader, PropertyKind};
 use super::plan::{ElementUse, FaceLists};
 use super::triangles::all_triangles;
 use crate::job::Job;
 use crate::load::assemble::{
-    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, TableColumn, corner_from, read_integer,
-    read_number,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, TableColumn, corner_from,
+    read_integer, read_number,
 };
 use crate::warnings::{WarningKind, Warnings};
 

@@ -16,8 +16,8 @@ use pointstage_plugin_api::settings_schema::{
     snapshot,
 };
 use pointstage_texels::{
-    Alpha, LightSum, MOST_VERTICES, Material, Picture, Surface, colours, divide,
-    face_colours, linear, polygon::triangulate, read_beside, srgb_byte,
+    Alpha, LightSum, MOST_VERTICES, Material, Picture, Surface, colours, divide, face_colours,
+    linear, polygon::triangulate, read_beside, srgb_byte,
 };
 
 use super::body::{Body, Stop};
@@ -146,7 +146,12 @@ pub(super) fn find(
         add_uvs(body, &surface);
     }
     for faces in &body.faces {
-        if let Corners::Lists(CornerLists { lengths, corners, data, .. }) = faces
+        if let Corners::Lists(CornerLists {
+            lengths,
+            corners,
+            data,
+            ..
+        }) = faces
             && !data.colours.is_empty()
         {
             job.check()?;
@@ -159,7 +164,13 @@ pub(super) fn find(
                 Some([linear(red), linear(green), linear(blue), alpha])
             };
             let lengths = lengths.iter().copied();
-            found = Some(face_colours(positions.len(), lengths, corners, position, colour));
+            found = Some(face_colours(
+                positions.len(),
+                lengths,
+                corners,
+                position,
+                colour,
+            ));
         }
     }
     Ok(found)
@@ -252,11 +263,7 @@ fn has_strips(body: &Body<'_>) -> bool {
 }
 
 /// The faces as triangles, with texture coordinates from the top of the picture; strips are left out.
-fn surface(
-    body: &Body<'_>,
-    positions: Vec<[f64; 3]>,
-    row_uvs: Option<&[[f32; 2]]>,
-) -> Surface {
+fn surface(body: &Body<'_>, positions: Vec<[f64; 3]>, row_uvs: Option<&[[f32; 2]]>) -> Surface {
     let mut surface = Surface {
         positions,
         ..Surface::default()
@@ -336,7 +343,11 @@ fn extend_tables(body: &mut Body<'_>, parents: &[[u32; 2]]) {
             let is_place = ["x", "y", "z"]
                 .iter()
                 .any(|name| column.name.eq_ignore_ascii_case(name));
-            if is_place { ScalarType::F64 } else { column.scalar }
+            if is_place {
+                ScalarType::F64
+            } else {
+                column.scalar
+            }
         };
         let mut stride = 0;
         let mut columns = Vec::new();

@@ -58,7 +58,11 @@ impl RowExtras {
         };
         if self.wanted.picture == Some(property) {
             // −1 stands for none.
-            self.picture = if *value >= 0.0 { *value as u32 } else { u32::MAX };
+            self.picture = if *value >= 0.0 {
+                *value as u32
+            } else {
+                u32::MAX
+            };
         } else if let Some(component) = self.component(property) {
             let largest = match scalar {
                 ScalarType::F32 | ScalarType::F64 => 1.0,

@@ -50,9 +50,8 @@ impl FaceExtras {
     }
 
     fn of(element: &Element, wants_colours: bool) -> Self {
-        let is_list = |index: &usize| {
-            matches!(element.properties[*index].kind, PropertyKind::List { .. })
-        };
+        let is_list =
+            |index: &usize| matches!(element.properties[*index].kind, PropertyKind::List { .. });
         let scalar = |name: &str| element.find(name).filter(|index| !is_list(index));
         let uvs = element.find("texcoord").filter(is_list);
         let colour = || Some([scalar("red")?, scalar("green")?, scalar("blue")?]);
