@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use pointstage_scene::{Estimation, Job, LoadOptions, load, save_sfl};
+use pointstage_scene::{Estimation, Job, LoadOptions, SaveFormat, load, save};
 
 /// Loads timed for each median.
 const RUNS: usize = 7;
@@ -99,7 +99,8 @@ fn write_as_surfels(file: &Path, surfels: &Path) {
     let mut loaded = load(file, &options, &Job::new()).unwrap_or_else(|error| panic!("{error}"));
     let geometry = std::sync::Arc::make_mut(&mut loaded.object.geometry);
     geometry.triangles = None;
-    save_sfl(&loaded.object, surfels).unwrap_or_else(|error| panic!("{error}"));
+    save(&loaded.object, surfels, SaveFormat::Sfl, &Job::new())
+        .unwrap_or_else(|error| panic!("{error}"));
 }
 
 fn data_folder() -> PathBuf {

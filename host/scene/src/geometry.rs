@@ -86,6 +86,8 @@ pub enum Provenance {
     FromFaces,
     /// Estimated from neighbouring surfels; normals have an arbitrary sign and are lit from both sides.
     Estimated,
+    /// Normals estimated from neighbouring surfels and brought to one side all over the object; lit from that side.
+    Oriented,
 }
 
 /// Provenance of each column that may be missing or made up.

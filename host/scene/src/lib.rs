@@ -39,6 +39,6 @@ pub use load::{
     Loaders, ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError,
     UnknownLoader, Winding, load, load_with,
 };
-pub use save::{SaveError, save_ply, save_sfl, write_ply, write_sfl};
+pub use save::{PlyEncoding, SaveError, SaveFormat, save, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};

@@ -47,8 +47,14 @@ pub enum WarningKind {
     NoZ,
     /// Surfels whose normals were estimated from neighbours; their sign is arbitrary.
     NormalsEstimated,
+    /// Surfels whose normals were brought to one side all over the object.
+    NormalsOriented,
+    /// Pieces of an object that no neighbours connect; the normals of each were oriented for itself.
+    OrientedInPieces,
     /// Surfels whose radii were estimated from neighbours.
     RadiiEstimated,
+    /// Surfels whose tangent axes were estimated from neighbours.
+    AxesEstimated,
     /// All surfels lie at one place, so there is no distance to take a radius from.
     AllAtOnePlace,
     /// List properties of vertices, which no column can hold; skipped.
@@ -166,6 +172,16 @@ impl fmt::Display for Warning {
                     f,
                     "{n} normal{s} estimated from neighbours; their sign is arbitrary, lit from both sides"
                 )
+            }
+            WarningKind::NormalsOriented => {
+                write!(f, "{n} normal{s} oriented to one side, outward")
+            }
+            WarningKind::OrientedInPieces => write!(
+                f,
+                "no neighbours connect the object's {n} pieces: each was oriented for itself"
+            ),
+            WarningKind::AxesEstimated => {
+                write!(f, "{n} pair{s} of tangent axes estimated from neighbours")
             }
             WarningKind::RadiiEstimated => write!(
                 f,

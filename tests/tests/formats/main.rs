@@ -5,6 +5,7 @@
 mod border;
 mod choice;
 mod commands;
+mod convert;
 mod damage;
 mod meshes;
 mod points;

@@ -104,6 +104,7 @@ fn provenance(provenance: Provenance) -> &'static str {
         Provenance::FromFile => "file",
         Provenance::FromFaces => "faces",
         Provenance::Estimated => "neighbours",
+        Provenance::Oriented => "neighbours, oriented",
     }
 }
 

@@ -38,6 +38,23 @@ pub(crate) fn loaders_of(stage: &Stage) -> Loaders {
     loaders(move || Some(Arc::clone(&registry)))
 }
 
+/// The loader of this name, with options of its own.
+pub(super) fn loader_choice(
+    key: &str,
+    settings: &[(String, String)],
+    loaders: &Loaders,
+) -> Outcome<LoaderChoice> {
+    let mut choice = LoaderChoice {
+        loader: key.to_owned(),
+        ..LoaderChoice::default()
+    };
+    if !settings.is_empty() {
+        let info = loaders.named(key).map_err(Failure::usage_from)?;
+        set_values(&mut choice.settings, &info.settings, settings).map_err(Failure::usage_from)?;
+    }
+    Ok(choice)
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum WhenToEstimate {
     /// Below 2 million surfels
@@ -62,16 +79,7 @@ impl LoadArguments {
             options.winding = Winding::Flipped;
         }
         if let Some(key) = &self.loader {
-            let mut choice = LoaderChoice {
-                loader: key.clone(),
-                ..LoaderChoice::default()
-            };
-            if !self.loader_settings.is_empty() {
-                let info = loaders.named(key).map_err(Failure::usage_from)?;
-                set_values(&mut choice.settings, &info.settings, &self.loader_settings)
-                    .map_err(Failure::usage_from)?;
-            }
-            options.loader = Some(choice);
+            options.loader = Some(loader_choice(key, &self.loader_settings, loaders)?);
         }
         Ok(options)
     }

@@ -5,6 +5,7 @@
 
 mod bench;
 mod compare;
+mod convert;
 mod drawing;
 mod failure;
 mod globals;
@@ -54,6 +55,7 @@ Examples:
   pointstage bench scan.ply --renderers points,surfel,hqss      how fast they are
   pointstage sweep scan.ply --renderer hqss --set-range splat_scale=0.5:2:9 --reference ewa-reference --out sweep
                                                                 what one setting does to quality and time
+  pointstage convert scan.laz --out scan.ply                    another format
   pointstage info scan.ply                                      what is in the file
   pointstage plugins list                                       which renderers and loaders there are
 
@@ -61,7 +63,9 @@ Exit codes: 0 done, 1 failed, 2 used wrongly.
 A file that is named like a command is opened as ./render.";
 
 /// The commands' names.
-const COMMANDS: [&str; 6] = ["render", "compare", "bench", "sweep", "info", "plugins"];
+const COMMANDS: [&str; 7] = [
+    "render", "compare", "bench", "sweep", "convert", "info", "plugins",
+];
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -74,6 +78,8 @@ pub(crate) enum Command {
     Bench(Box<bench::BenchArguments>),
     /// Draw with several values of one setting: quality against time
     Sweep(Box<sweep::SweepArguments>),
+    /// Write files as PLY or SFL, with normals, radii and axes estimated
+    Convert(Box<convert::ConvertArguments>),
     /// Say what is in files
     Info(info::InfoArguments),
     /// List or examine plugins
@@ -101,6 +107,7 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
         Some(Command::Compare(compare)) => compare::run(&globals, &compare),
         Some(Command::Bench(bench)) => bench::run(&globals, &bench),
         Some(Command::Sweep(sweep)) => sweep::run(&globals, &sweep),
+        Some(Command::Convert(convert)) => convert::run(&globals, &convert),
         Some(Command::Info(info)) => info::run(&globals, &info),
         Some(Command::Plugins(plugins)) => plugins::run(&globals, &plugins),
     }

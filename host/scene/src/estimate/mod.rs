@@ -1,16 +1,23 @@
-//! Normals and radii that a file did not give.
+//! Normals, radii and tangent axes that a file did not give, or that the user wants anew.
 //!
 //! [`normals_and_radii`] completes a geometry: first from its faces, where there are any (`faces`), then from the nearest
 //! neighbours (`neighbours`) for what is still missing: all of a point set, or the vertices of a mesh that no face uses.
-//! What a file gave is kept. Where each column came from is noted in [`Origins`](crate::Origins).
+//! What a file gave is kept. [`estimate()`] does what it is told, one column or several, with any number of neighbours, and
+//! replaces what is there. Where each column came from is noted in [`Origins`](crate::Origins).
 
 mod cell;
 mod faces;
+mod local;
 mod neighbours;
+mod orient;
 mod plane;
+mod steps;
 mod sums;
+mod survey;
 mod tree;
 mod winding;
+
+pub use steps::{Steps, estimate};
 
 use pointstage_plugin_api::columns::NO_NORMAL;
 
@@ -18,6 +25,12 @@ use crate::geometry::{Geometry, Provenance};
 use crate::job::{Cancelled, Job};
 use crate::load::FaceRadius;
 use crate::warnings::Warnings;
+
+/// Neighbours that normals and radii come from, unless the user says otherwise.
+pub const DEFAULT_NEIGHBOURS: usize = 16;
+
+/// The fewest and the most neighbours that may be asked for: three points make a plane, and beyond 64 corners are rounded.
+pub const NEIGHBOURS_RANGE: std::ops::RangeInclusive<usize> = 3..=64;
 
 /// Faces of any number of corners, as they were before they were cut into triangles.
 #[derive(Clone, Debug, Default)]

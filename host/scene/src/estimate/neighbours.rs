@@ -4,38 +4,27 @@
 //! a fixed one so that runs agree.
 //!
 //! The radius is the distance to the farthest corner of the point's Voronoi cell among its neighbours (`cell`) and a tenth
-//! more, since neighbouring disks lie in different planes; at most 0.89 d₈, with d₈ the distance of the 8th neighbour. On
+//! more, since neighbouring disks lie in different planes (`local`); at most 0.89 d₈, with d₈ the distance of the 8th neighbour. On
 //! a square grid of step h it is 0.78 h; disks of 0.71 h already cover the grid.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::Vec3;
 use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, NO_NORMAL, encode_normal};
 use rayon::prelude::*;
 
-use super::cell::covering_radius;
-use super::plane::plane_normal;
+use super::DEFAULT_NEIGHBOURS;
+use super::local::{Local, MARGIN};
 use super::tree::{Tree, TreePoint};
 use crate::geometry::{Geometry, Provenance};
 use crate::job::{Cancelled, Job};
 use crate::warnings::{WarningKind, Warnings};
 
-/// Points asked for: the point itself and 16 neighbours, for the plane.
-const ASKED: usize = 17;
-
-/// The neighbour whose distance gives the radius.
-const RADIUS_NEIGHBOUR: usize = 8;
-
-/// Radius of a disk over what the corners of its cell would need.
-const MARGIN: f64 = 1.1;
-
-/// Most that a radius is of the distance of the 8th neighbour: 1.5 times the side of the square that a point has to
-/// itself, 9 of them in a disk of that distance. At the border of a scan, where cells have no end, it is this.
-const MOST_OF_DISTANCE: f64 = 0.886;
+/// Points asked for: the point itself and its neighbours.
+const ASKED: usize = DEFAULT_NEIGHBOURS + 1;
 
 /// Lone points would get disks as wide as their distance from everything: no radius exceeds this many times the median.
-const MOST_MEDIANS: f32 = 10.0;
+pub(super) const MOST_MEDIANS: f32 = 10.0;
 
 /// Points between two looks at the cancel flag.
 const POINTS_A_PIECE: usize = 1 << 12;
@@ -59,16 +48,7 @@ pub(super) fn complete(
     job: &Job,
     warnings: &mut Warnings,
 ) -> Result<(), Cancelled> {
-    job.set_stage("sorting points to find neighbours");
-    let centres = geometry
-        .blocks
-        .iter()
-        .flat_map(|block| block.position_radius.iter());
-    let points = (0..).zip(centres).map(|(index, &[x, y, z, _])| TreePoint {
-        centre: [x, y, z],
-        index,
-    });
-    let tree = Tree::build(points.collect(), &TREE_PART, job)?;
+    let tree = tree_of(geometry, &TREE_PART, job)?;
     job.set_stage("estimating normals and radii from neighbours");
     let done = AtomicUsize::new(0);
     // In the order of the tree, where the neighbours of one point are mostly those of the one before.
@@ -91,6 +71,24 @@ pub(super) fn complete(
     Ok(())
 }
 
+/// The tree over all surfels.
+pub(super) fn tree_of(
+    geometry: &Geometry,
+    part: &std::ops::Range<f32>,
+    job: &Job,
+) -> Result<Tree, Cancelled> {
+    job.set_stage("sorting points to find neighbours");
+    let centres = geometry
+        .blocks
+        .iter()
+        .flat_map(|block| block.position_radius.iter());
+    let points = (0..).zip(centres).map(|(index, &[x, y, z, _])| TreePoint {
+        centre: [x, y, z],
+        index,
+    });
+    Tree::build(points.collect(), part, job)
+}
+
 /// True if a surfel has no normal or no radius.
 fn lacks(geometry: &Geometry, surfel: u32) -> bool {
     let (block, inside) = place_of(surfel);
@@ -103,31 +101,17 @@ fn lacks(geometry: &Geometry, surfel: u32) -> bool {
 }
 
 /// Block of a surfel, and its place in there.
-fn place_of(surfel: u32) -> (usize, usize) {
+pub(super) fn place_of(surfel: u32) -> (usize, usize) {
     let surfel = surfel as usize;
     (surfel / MAX_BLOCK_SURFELS, surfel % MAX_BLOCK_SURFELS)
 }
 
 fn estimate(tree: &Tree, point: &TreePoint) -> Estimate {
     let near = tree.nearest::<ASKED>(point.centre);
-    let count = near.count();
-    let squared = &near.squared[..count];
-    let farthest = squared.last().copied().unwrap_or(0.0);
-    let chosen = squared.get(RADIUS_NEIGHBOUR).copied().unwrap_or(farthest);
-    // Where many points coincide, the farthest found may still be apart.
-    let squared = if chosen > 0.0 { chosen } else { farthest };
-    let around = near.places[..count]
-        .iter()
-        .filter_map(|place| tree.points().get(*place as usize));
-    let around = around.map(|near| Vec3::from(near.centre).as_dvec3());
-    let normal = plane_normal(around.clone());
-    let centre = Vec3::from(point.centre).as_dvec3();
-    // The point itself, and others at the same place, are no neighbours.
-    let offsets = around
-        .map(|near| near - centre)
-        .filter(|offset| offset.length_squared() > 0.0);
-    let greatest = MOST_OF_DISTANCE * f64::from(squared).sqrt();
-    let radius = (MARGIN * covering_radius(normal, offsets, greatest)).min(greatest);
+    let local = Local::new(tree, point, &near, DEFAULT_NEIGHBOURS);
+    let normal = local.normal();
+    let greatest = local.greatest();
+    let radius = (MARGIN * local.cell(normal).radius()).min(greatest);
     Estimate {
         surfel: point.index,
         normal: encode_normal(normal.as_vec3()),

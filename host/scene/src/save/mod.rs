@@ -5,6 +5,7 @@
 
 mod columns;
 mod ply;
+mod ply_row;
 mod sfl;
 mod whole_file;
 
@@ -12,8 +13,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use ply::write_ply;
+pub use ply_row::PlyEncoding;
 pub use sfl::write_sfl;
 
+use crate::job::{Cancelled, Job};
 use crate::scene::Object;
 use crate::warnings::Warnings;
 
@@ -32,6 +35,9 @@ pub enum SaveError {
     /// The stream does not take what is written to it.
     #[error("cannot be written: {0}")]
     Write(#[from] io::Error),
+    /// The owner cancelled it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The format cannot hold so much.
     #[error(
         "the object takes {needed} bytes as {format}, expected at most {most}; save it as PLY, or in parts"
@@ -46,18 +52,92 @@ pub enum SaveError {
     },
 }
 
-/// Saves an object as a PLY file; see [`write_ply`].
-///
-/// # Errors
-/// The file cannot be written. An older file of this name is then as it was.
-pub fn save_ply(object: &Object, path: &Path) -> Result<Warnings, SaveError> {
-    whole_file::write(path, |out| Ok(write_ply(object, out)?))
+/// A format that objects are saved in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveFormat {
+    /// PLY; see [`write_ply`].
+    Ply(PlyEncoding),
+    /// SFL; see [`write_sfl`].
+    Sfl,
 }
 
-/// Saves an object as an SFL file; see [`write_sfl`].
+impl SaveFormat {
+    /// The format that a file's name ends in, `.ply` or `.sfl`; PLY is binary then.
+    pub fn of_name(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "ply" => Some(Self::Ply(PlyEncoding::default())),
+            "sfl" => Some(Self::Sfl),
+            _ => None,
+        }
+    }
+}
+
+/// Saves an object as a file.
+///
+/// Thread: any; takes seconds for large objects. Stops soon after `job` is cancelled.
 ///
 /// # Errors
-/// The file cannot be written, or would be larger than an SFL file can be. An older file of this name is then as it was.
-pub fn save_sfl(object: &Object, path: &Path) -> Result<Warnings, SaveError> {
-    whole_file::write(path, |out| write_sfl(object, out))
+/// The file cannot be written, or would be larger than its format can be, or the job was cancelled. An older file of this
+/// name is then as it was.
+pub fn save(
+    object: &Object,
+    path: &Path,
+    format: SaveFormat,
+    job: &Job,
+) -> Result<Warnings, SaveError> {
+    job.set_stage("writing");
+    let warnings = whole_file::write(path, |out| match format {
+        SaveFormat::Ply(encoding) => write_ply(object, encoding, job, out),
+        SaveFormat::Sfl => write_sfl(object, job, out),
+    })?;
+    job.set_progress(1.0);
+    Ok(warnings)
+}
+
+/// Surfels and triangles between two looks at the cancel flag.
+const ROWS_A_LOOK: usize = 1 << 14;
+
+/// How far writing is.
+struct Saving<'a> {
+    job: &'a Job,
+    written: usize,
+    total: usize,
+}
+
+impl<'a> Saving<'a> {
+    fn new(job: &'a Job, total: usize) -> Self {
+        Self {
+            job,
+            written: 0,
+            total,
+        }
+    }
+
+    /// A surfel or a triangle follows.
+    fn one_more(&mut self) -> Result<(), Cancelled> {
+        if self.written.is_multiple_of(ROWS_A_LOOK) {
+            self.job.check()?;
+            self.job
+                .set_progress_within(&(0.0..1.0), self.written, self.total);
+        }
+        self.written += 1;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_says_the_format() {
+        let of = |name: &str| SaveFormat::of_name(Path::new(name));
+        assert_eq!(
+            of("a.PLY"),
+            Some(SaveFormat::Ply(PlyEncoding::LittleEndian))
+        );
+        assert_eq!(of("a.b.sfl"), Some(SaveFormat::Sfl));
+        assert_eq!((of("a.obj"), of("ply"), of("a")), (None, None, None));
+    }
 }

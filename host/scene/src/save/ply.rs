@@ -1,11 +1,14 @@
-//! PLY files, binary and little-endian.
+//! PLY files, in all three encodings.
 
-use std::io::{self, Write};
+use std::io::Write;
 
 use glam::DAffine3;
 
 use super::columns::{Present, axes_of, bytes_of, normal_of};
+use super::ply_row::{PlyEncoding, Row};
+use super::{SaveError, Saving};
 use crate::geometry::{Block, NamedColumn, ScalarType};
+use crate::job::Job;
 use crate::moved::Moved;
 use crate::scene::Object;
 use crate::warnings::{WarningKind, Warnings};
@@ -37,7 +40,7 @@ enum Role {
     Axes,
 }
 
-/// Writes an object as a PLY file, where it stands in the scene: binary, little-endian, with all columns and triangles.
+/// Writes an object as a PLY file, where it stands in the scene, with all columns and triangles.
 ///
 /// | column | properties |
 /// |---|---|
@@ -48,44 +51,65 @@ enum Role {
 /// | tangent half-axes | `ux` `uy` `uz` `vx` `vy` `vz` |
 /// | named | its name; several components as `NAME[0]`, `NAME[1]` … |
 ///
-/// A transform that scales takes radii by the cube root of its determinant. A named column whose name would be taken for one
+/// Radii and axes take the object's radius scale; a transform that scales takes radii by the cube root of its determinant. A named column whose name would be taken for one
 /// of the others gets another name, with a warning.
 ///
 /// # Errors
-/// `out` does not take it.
-pub fn write_ply(object: &Object, out: &mut impl Write) -> io::Result<Warnings> {
+/// `out` does not take it, or the job was cancelled.
+pub fn write_ply(
+    object: &Object,
+    encoding: PlyEncoding,
+    job: &Job,
+    out: &mut impl Write,
+) -> Result<Warnings, SaveError> {
     let geometry = &object.geometry;
     let present = Present::of(geometry);
     let mut warnings = Warnings::new();
     let world_from_local = object.world_from_local();
     let moved = (world_from_local != DAffine3::IDENTITY).then(|| Moved::new(world_from_local));
     let names = names(&present, &mut warnings);
-    out.write_all(header(object, &present, &names, moved.is_some()).as_bytes())?;
-    let mut row = Vec::new();
+    let header = header(object, encoding, &present, &names, moved.is_some());
+    out.write_all(header.as_bytes())?;
+    let mut saving = Saving::new(job, geometry.surfel_count + geometry.triangle_count());
+    let mut row = Row::new(encoding);
     for block in &geometry.blocks {
         for surfel in 0..block.len() {
-            row.clear();
-            push_surfel(&mut row, block, surfel, &present, moved.as_ref());
-            out.write_all(&row)?;
+            saving.one_more()?;
+            push_surfel(
+                &mut row,
+                block,
+                surfel,
+                &present,
+                moved.as_ref(),
+                object.radius_scale,
+            );
+            row.end(out)?;
         }
     }
     let is_mirrored = moved.is_some_and(|moved| moved.mirror < 0.0);
     for &[a, b, c] in geometry.triangles.iter().flat_map(|all| all.iter()) {
+        saving.one_more()?;
         let [b, c] = if is_mirrored { [c, b] } else { [b, c] };
-        let mut face = [3; 13];
-        for (slot, corner) in face[1..].chunks_exact_mut(4).zip([a, b, c]) {
-            slot.copy_from_slice(&corner.to_le_bytes());
+        row.push_u8(3);
+        for corner in [a, b, c] {
+            row.push_u32(corner);
         }
-        out.write_all(&face)?;
+        row.end(out)?;
     }
     Ok(warnings)
 }
 
-fn header(object: &Object, present: &Present<'_>, names: &[String], is_moved: bool) -> String {
+fn header(
+    object: &Object,
+    encoding: PlyEncoding,
+    present: &Present<'_>,
+    names: &[String],
+    is_moved: bool,
+) -> String {
     let geometry = &object.geometry;
     let mut lines = vec![
         "ply".to_owned(),
-        "format binary_little_endian 1.0".to_owned(),
+        format!("format {} 1.0", encoding.name()),
         "comment written by Pointstage".to_owned(),
         format!("element vertex {}", geometry.surfel_count),
     ];
@@ -182,54 +206,45 @@ fn names(present: &Present<'_>, warnings: &mut Warnings) -> Vec<String> {
 }
 
 fn push_surfel(
-    row: &mut Vec<u8>,
+    row: &mut Row,
     block: &Block,
     surfel: usize,
     present: &Present<'_>,
     moved: Option<&Moved>,
+    radius_scale: f32,
 ) {
     let [x, y, z, radius] = block.position_radius[surfel];
+    let radius = radius * radius_scale;
     let normal = normal_of(block, surfel);
-    let axes = axes_of(block, surfel);
+    let axes = axes_of(block, surfel).map(|axis| axis * radius_scale);
     let (normal, axes, radius) = match moved {
         None => {
-            push_floats(row, &[x, y, z]);
+            row.push_f32s(&[x, y, z]);
             (normal, axes, radius)
         }
         Some(moved) => {
             let position = moved.position(block.centre(surfel).as_dvec3());
             for value in position.to_array() {
-                row.extend(value.to_le_bytes());
+                row.push_f64(value);
             }
             (moved.normal(normal), moved.axes(axes), moved.radius(radius))
         }
     };
     if present.normals {
-        push_floats(row, &normal.to_array());
+        row.push_f32s(&normal.to_array());
     }
     if present.radii {
-        push_floats(row, &[radius]);
+        row.push_f32s(&[radius]);
     }
     if present.colours {
         let colours = block.colour.as_ref().map(|colours| colours[surfel]);
-        row.extend(colours.unwrap_or(u32::MAX).to_le_bytes());
+        let rgba = colours.unwrap_or(u32::MAX).to_le_bytes();
+        rgba.into_iter().for_each(|value| row.push_u8(value));
     }
     if present.axes {
-        push_floats(row, axes.map(|axis| axis.to_array()).as_flattened());
+        row.push_f32s(axes.map(|axis| axis.to_array()).as_flattened());
     }
     for column in &block.named {
-        let start = row.len();
-        row.extend(bytes_of(column, surfel));
-        if cfg!(target_endian = "big") {
-            row[start..]
-                .chunks_exact_mut(column.scalar.size())
-                .for_each(<[u8]>::reverse);
-        }
-    }
-}
-
-fn push_floats(row: &mut Vec<u8>, values: &[f32]) {
-    for value in values {
-        row.extend(value.to_le_bytes());
+        row.push_values(column.scalar, bytes_of(column, surfel));
     }
 }

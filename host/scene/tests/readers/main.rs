@@ -8,6 +8,7 @@ mod data_facts;
 mod data_files;
 mod encodings;
 mod made_up_files;
+mod oriented_scans;
 mod qs_facts;
 mod round_trips;
 #[path = "../support/sfl.rs"]

@@ -10,10 +10,11 @@ use std::io::Write;
 
 use glam::{DAffine3, DVec3};
 
-use super::SaveError;
 use super::columns::Present;
+use super::{SaveError, Saving};
 use crate::bounds::Bounds;
 use crate::geometry::ScalarType;
+use crate::job::Job;
 use crate::load::sfl::{SET_COLUMN, Tag};
 use crate::scene::Object;
 use crate::warnings::{WarningKind, Warnings};
@@ -41,8 +42,8 @@ const FORMAT_VERSION: u32 = 1;
 /// Other named columns and triangles are left out, with a warning.
 ///
 /// # Errors
-/// The file would be larger than 4 GiB, or `out` does not take it.
-pub fn write_sfl(object: &Object, out: &mut impl Write) -> Result<Warnings, SaveError> {
+/// The file would be larger than 4 GiB, or `out` does not take it, or the job was cancelled.
+pub fn write_sfl(object: &Object, job: &Job, out: &mut impl Write) -> Result<Warnings, SaveError> {
     let geometry = &object.geometry;
     let present = Present::of(geometry);
     let mut warnings = Warnings::new();
@@ -51,7 +52,7 @@ pub fn write_sfl(object: &Object, out: &mut impl Write) -> Result<Warnings, Save
         warnings.add(WarningKind::Other(text.into()), 1);
     }
     let sets = set_lengths(object);
-    let record = Record::plan(&present, sets.is_some(), &mut warnings);
+    let record = Record::plan(&present, sets.is_some(), object.radius_scale, &mut warnings);
     let lengths = sets.unwrap_or_else(|| vec![geometry.surfel_count]);
     let placement = Placement::of(object);
 
@@ -95,6 +96,7 @@ pub fn write_sfl(object: &Object, out: &mut impl Write) -> Result<Warnings, Save
         .iter()
         .flat_map(|block| (0..block.len()).map(move |surfel| (block, surfel)));
     let mut bytes = vec![0; record.bytes];
+    let mut saving = Saving::new(job, geometry.surfel_count);
     let mut at = first_set_at;
     for (level, length) in levels.iter().zip(lengths) {
         let next = at + set_bytes(level);
@@ -107,6 +109,7 @@ pub fn write_sfl(object: &Object, out: &mut impl Write) -> Result<Warnings, Save
                 .write(level_at, End::Leaf { next: level_end }),
         )?;
         for (block, surfel) in surfels.by_ref().take(length) {
+            saving.one_more()?;
             record.write(block, surfel, placement.residual, &mut bytes);
             out.write_all(&bytes)?;
         }

@@ -18,6 +18,8 @@ pub(super) struct Record {
     fields: Vec<Field>,
     /// Bytes from a record to the next.
     pub(super) bytes: usize,
+    /// Radii and axes are multiplied by this.
+    radius_scale: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +64,12 @@ fn size_and_alignment(source: FieldSource, named: &[NamedColumn]) -> (usize, usi
 
 impl Record {
     /// The layout for what an object has; columns that no property fits are named in `warnings`.
-    pub(super) fn plan(present: &Present<'_>, has_sets: bool, warnings: &mut Warnings) -> Self {
+    pub(super) fn plan(
+        present: &Present<'_>,
+        has_sets: bool,
+        radius_scale: f32,
+        warnings: &mut Warnings,
+    ) -> Self {
         let mut found = vec![(Property::POSITION, FieldSource::Centre)];
         for (is_there, property, source) in [
             (present.normals, Property::NORMAL, FieldSource::Normal),
@@ -95,6 +102,7 @@ impl Record {
         let mut record = Self {
             fields: Vec::new(),
             bytes: 0,
+            radius_scale,
         };
         for alignment in [8, 4, 2, 1] {
             for &(property, source) in &found {
@@ -156,7 +164,7 @@ impl Record {
                 FieldSource::Normal => write_vector(normal_of(block, surfel), out),
                 FieldSource::Radius => {
                     let [.., radius] = block.position_radius[surfel];
-                    out[..4].copy_from_slice(&radius.to_be_bytes());
+                    out[..4].copy_from_slice(&(radius * self.radius_scale).to_be_bytes());
                 }
                 FieldSource::Colour => {
                     let colours = block.colour.as_ref().map(|colours| colours[surfel]);
@@ -164,7 +172,7 @@ impl Record {
                     out[..4].copy_from_slice(&colour.to_le_bytes());
                 }
                 FieldSource::Axes => {
-                    let [u, v] = axes_of(block, surfel);
+                    let [u, v] = axes_of(block, surfel).map(|axis| axis * self.radius_scale);
                     write_vector(u, out);
                     write_vector(v, &mut out[12..]);
                 }
