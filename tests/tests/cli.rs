@@ -6,6 +6,8 @@ mod bench;
 mod compare_command;
 #[path = "cli/page.rs"]
 mod page;
+#[path = "cli/paths.rs"]
+mod paths;
 #[path = "cli/session.rs"]
 mod session;
 

@@ -4,6 +4,7 @@
 //! [`output`] writes what commands make. What outlives the program stands in [`preferences`] and in a [`session_file`], both
 //! TOML ([`toml_form`]); [`host_log`] keeps the last log lines for bug reports.
 
+mod camera_path;
 mod cli;
 mod file_loaders;
 mod host_log;

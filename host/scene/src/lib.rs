@@ -25,8 +25,8 @@ mod warnings;
 
 pub use bounds::Bounds;
 pub use camera::{
-    Camera, NearClipping, Projection, VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource,
-    ViewSourceError, orbit_cameras,
+    Camera, CameraKey, CameraPath, CameraPathError, Easing, NearClipping, Projection,
+    VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError, ViewSource, ViewSourceError, orbit_cameras,
 };
 pub use changes::{Changes, ColumnChange, ColumnChangeKind, ObjectChange};
 pub use edit::{MergeError, Placement, duplicate, merge};

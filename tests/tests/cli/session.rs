@@ -8,21 +8,21 @@ use pointstage_tests::program::Finished;
 use super::Shell;
 
 /// A view of the small sphere, as session files and view files hold it.
-const VIEW: &str = "format = 1\neye = [1.5, 1.0, 2.5]\npivot = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nnear = 0.01\nfar = 100.0\nwidth = 96\nheight = 64\nprojection = { kind = \"perspective\", fov_y_rad = 0.7 }\n";
+pub(super) const VIEW: &str = "format = 1\neye = [1.5, 1.0, 2.5]\npivot = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nnear = 0.01\nfar = 100.0\nwidth = 96\nheight = 64\nprojection = { kind = \"perspective\", fov_y_rad = 0.7 }\n";
 
 /// The same as JSON.
 const VIEW_JSON: &str = r#"{"format": 1, "eye": [1.5, 1.0, 2.5], "pivot": [0, 0, 0], "up": [0, 1, 0], "near": 0.01,
     "far": 100, "width": 96, "height": 64, "projection": {"kind": "perspective", "fov_y_rad": 0.7}}"#;
 
 /// A session beside the shell's scene.
-fn session(scene: &str) -> String {
+pub(super) fn session(scene: &str) -> String {
     format!(
         "format = 1\n[look]\nbackground = {{ solid = [1.0, 0.0, 0.0] }}\nexposure = 1.5\n[renderers]\nmain = \"pointstage.fallback\"\n[view]\n{VIEW}{scene}\n[[views]]\nnumber = 3\nname = \"close\"\n[views.view]\n{}",
         VIEW.replace("2.5]", "1.5]")
     )
 }
 
-const SPHERE: &str = "[[scene]]\nfile = \"../sphere.ply\"\n";
+pub(super) const SPHERE: &str = "[[scene]]\nfile = \"../sphere.ply\"\n";
 
 impl Shell {
     /// A session in a folder beside the scene.

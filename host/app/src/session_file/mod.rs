@@ -28,8 +28,9 @@ pub(crate) use panes::{ComparisonFile, PaneFile};
 pub(crate) use paths::{absolute, folder_of};
 pub(crate) use scene::SceneFile;
 
+use crate::camera_path::MotionPath;
 use crate::output::whole_file;
-use crate::toml_form::{self, Flaw, Look, StoredView};
+use crate::toml_form::{self, Flaw, Look, NumberOrigin, StoredView};
 
 /// The format that this program writes and reads.
 const FORMAT: u32 = 1;
@@ -69,6 +70,9 @@ pub(crate) struct SessionFile {
     /// Views to go back to.
     #[serde(default)]
     pub(crate) views: Vec<StoredView>,
+    /// How camera and settings change over time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) path: Option<MotionPath>,
     /// All views beside each other, in order, where there are several; the fields above are those of the active one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) panes: Vec<PaneFile>,
@@ -106,6 +110,7 @@ impl SessionFile {
             settings: BTreeMap::new(),
             presets: BTreeMap::new(),
             views: Vec::new(),
+            path: None,
             panes: Vec::new(),
             comparison: None,
         }
@@ -186,6 +191,15 @@ impl SessionFile {
         let mut session: Self = toml::from_str(text).map_err(|error| flaw(&error))?;
         for entry in &mut session.scene {
             entry.file = absolute(&entry.file, folder);
+        }
+        // Sessions that people write say no program; those of older windows count the keys from 0.
+        let origin = if session.program.is_empty() {
+            NumberOrigin::Key
+        } else {
+            NumberOrigin::Place
+        };
+        for stored in &mut session.views {
+            stored.take_number(origin);
         }
         Ok(session)
     }

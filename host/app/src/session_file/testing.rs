@@ -136,11 +136,12 @@ pub(crate) fn any_settings() -> impl Strategy<Value = BTreeMap<String, SettingVa
 
 /// Any list of views.
 pub(crate) fn any_stored_views() -> impl Strategy<Value = Vec<StoredView>> {
-    let number = proptest::option::of(0u8..10);
+    let key = proptest::option::of(0u8..10);
     let thumbnail = proptest::collection::vec(any::<u8>(), 0..40);
-    let stored = (number, "\\PC{0,12}", any_view(), thumbnail);
-    let stored = stored.prop_map(|(number, name, view, thumbnail)| StoredView {
-        number,
+    let stored = (key, "\\PC{0,12}", any_view(), thumbnail);
+    let stored = stored.prop_map(|(key, name, view, thumbnail)| StoredView {
+        key,
+        number: None,
         name,
         view,
         thumbnail,

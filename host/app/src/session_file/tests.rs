@@ -11,6 +11,7 @@ use super::testing::{
     any_stored_views, any_view, number,
 };
 use super::*;
+use crate::camera_path::testing::any_path;
 
 const FOLDER: &str = "/no/sessions";
 
@@ -213,6 +214,54 @@ fn any_pane() -> impl Strategy<Value = PaneFile> {
         )
 }
 
+/// A session with a view stored under `number`, as older files have it.
+fn with_numbered_view(program: &str, number: u8) -> SessionFile {
+    let mut session = plain();
+    program.clone_into(&mut session.program);
+    session.views.push(StoredView {
+        key: Some(5),
+        number: None,
+        name: "front".to_owned(),
+        view: session.view,
+        thumbnail: Vec::new(),
+    });
+    let text = text_of(&session).replacen("key = 5", &format!("number = {number}"), 1);
+    SessionFile::parse(&text, Path::new(FOLDER)).expect(&text)
+}
+
+#[test]
+fn views_of_older_sessions_are_called_by_their_keys() {
+    for (program, number, key) in [
+        // A window wrote places: the first is that of the key 1.
+        ("Pointstage 0.1.0", 0, "1"),
+        ("Pointstage 0.1.0", 2, "3"),
+        ("Pointstage 0.1.0", 9, "0"),
+        // A person wrote what the user guide said.
+        ("", 3, "3"),
+    ] {
+        let session = with_numbered_view(program, number);
+        let names: Vec<String> = session
+            .command_views()
+            .into_iter()
+            .map(|(name, _)| name)
+            .collect();
+        assert_eq!(names, [key, "front"], "{program} {number}");
+    }
+    let text = text_of(&with_numbered_view("Pointstage 0.1.0", 2));
+    assert!(
+        text.contains("key = 3") && !text.contains("number ="),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_session_of_an_older_program_has_no_path() {
+    let text = text_of(&plain());
+    assert!(!text.contains("path"), "{text}");
+    let read = SessionFile::parse(&text, Path::new(FOLDER)).expect("right");
+    assert_eq!(read.path, None);
+}
+
 fn any_comparison() -> impl Strategy<Value = ComparisonFile> {
     let flags = any::<[bool; 3]>();
     (flags, 0..4_usize, 0..4_usize, 0.1_f32..3.0, 0.0_f32..1.0).prop_map(
@@ -239,7 +288,10 @@ fn any_session() -> impl Strategy<Value = SessionFile> {
         any_settings(),
         any_active_presets(),
         any_stored_views(),
-        proptest::collection::vec(any_pane(), 0..4),
+        (
+            proptest::collection::vec(any_pane(), 0..4),
+            proptest::option::of(any_path()),
+        ),
         proptest::option::of(any_comparison()),
     )
         .prop_map(
@@ -252,7 +304,7 @@ fn any_session() -> impl Strategy<Value = SessionFile> {
                 settings,
                 presets,
                 views,
-                panes,
+                (panes, path),
                 comparison,
             )| SessionFile {
                 renderers,
@@ -262,6 +314,7 @@ fn any_session() -> impl Strategy<Value = SessionFile> {
                 settings,
                 presets,
                 views,
+                path,
                 panes,
                 comparison,
                 ..SessionFile::new(view)

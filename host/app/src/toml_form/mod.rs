@@ -11,7 +11,7 @@ mod views;
 pub(crate) use checked::{lights, material, positive, transform, view};
 pub(crate) use flaw::Flaw;
 pub(crate) use look::{Look, show_from_key, show_key};
-pub(crate) use views::StoredView;
+pub(crate) use views::{NumberOrigin, StoredView};
 
 use std::path::Path;
 

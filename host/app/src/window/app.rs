@@ -22,6 +22,7 @@ use super::log::Log;
 use super::memory::Memory;
 use super::navigation::{Navigator, take_flying_keys};
 use super::palette::Palette;
+use super::path::{FilmDialog, Player};
 use super::progress::Progress;
 use super::remembered::Remembered;
 use super::rows::Rows;
@@ -62,6 +63,9 @@ pub(crate) struct App {
     pub(super) dialog: Option<FileDialog>,
     pub(super) folder_dialog: Option<FolderDialog>,
     pub(super) history: History,
+    /// What plays the camera path.
+    pub(super) player: Player,
+    pub(super) film_dialog: Option<FilmDialog>,
     pub(super) save_image: Option<SaveImage>,
     /// What it was like when it was last used.
     pub(super) last_save_image: Option<SaveImage>,
@@ -81,6 +85,7 @@ pub(crate) struct Panels {
     pub(super) settings: bool,
     pub(super) log: bool,
     pub(super) inspector: bool,
+    pub(super) path: bool,
     pub(super) keys: bool,
     pub(super) about: bool,
     pub(super) tab: Tab,
@@ -92,6 +97,7 @@ impl Default for Panels {
             settings: true,
             log: false,
             inspector: false,
+            path: false,
             keys: false,
             about: false,
             tab: Tab::Renderer,
@@ -143,6 +149,8 @@ impl App {
             dialog: None,
             folder_dialog: None,
             history: History::default(),
+            player: Player::default(),
+            film_dialog: None,
             save_image: None,
             last_save_image: None,
             wake,
@@ -169,6 +177,7 @@ impl App {
         self.take_new_pictures(&ctx);
         let mut intents = Intents::new();
         self.advance_camera(&ctx);
+        self.advance_path(&ctx);
         let actions: Vec<Action> = actions::all(self);
         let picture = self.screens.active.viewport.map(|viewport| viewport.id);
         if self.is_flying() {
@@ -229,6 +238,11 @@ impl App {
                 Finished::ImageSaved(saved, size_px) => self.tell_of_saved_image(*saved, size_px),
                 Finished::ImageCancelled(name) => {
                     let text = format!("{name}: saving cancelled; there is no such file");
+                    self.log.say(Severity::Info, text, now);
+                }
+                Finished::Filmed(first, count) => self.tell_of_film(&first, count),
+                Finished::FilmCancelled(count) => {
+                    let text = format!("Rendering was cancelled; {count} pictures are there");
                     self.log.say(Severity::Info, text, now);
                 }
                 Finished::Failed(text) => self.log.error(text, now),
@@ -327,6 +341,7 @@ impl App {
     fn is_at_rest(&self) -> bool {
         self.is_resting()
             && !self.navigator.is_moving()
+            && !self.player.is_playing()
             && self.tasks.open().is_empty()
             && !self.comparing.is_measuring()
     }

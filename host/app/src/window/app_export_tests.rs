@@ -83,3 +83,24 @@ fn an_image_that_cannot_be_written_is_an_error_with_its_path() {
             .is_some()
     });
 }
+
+#[test]
+fn the_structure_of_a_saved_image_has_its_settings() {
+    use pointstage_engine::stage::SettingValue;
+    let mut harness = window();
+    harness.run_steps(2);
+    let app = harness.state_mut();
+    let pane = &mut app.session.panes.active;
+    pane.structure = Some("org.example.tree".to_owned());
+    let values = [("depth".to_owned(), SettingValue::Int(7))];
+    let values = std::collections::BTreeMap::from(values);
+    pane.settings
+        .insert("org.example.tree".to_owned(), values.clone());
+    let image = super::intent::ImageFile {
+        path: "a.png".into(),
+        size_px: [64, 48],
+        backdrop: super::intent::Backdrop::AsShown,
+        replace: super::intent::Replace::Ask,
+    };
+    assert_eq!(app.frame_to_save(&image).structure_settings, values);
+}

@@ -12,6 +12,7 @@ use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
 use super::rows::Rows;
 use super::session::{Pane, Session, ViewOptions};
+use crate::camera_path::MotionPath;
 
 /// A snapshot of what the user has chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,7 @@ pub(crate) struct Choices {
     presets: Presets,
     material: Material,
     pacing: Pacing,
+    path: MotionPath,
     objects: ObjectChoices,
 }
 
@@ -99,6 +101,10 @@ pub(crate) enum Field {
     Transform,
     /// The radius scale of an object.
     ObjectRadiusScale,
+    /// Which views and values the camera path has, and their order.
+    PathParts,
+    /// Times and numbers of the camera path.
+    Path,
     /// Which objects are drawn.
     Visibility,
     /// Which objects are selected.
@@ -220,6 +226,7 @@ impl Choices {
             presets: session.presets.clone(),
             material: session.material,
             pacing: session.pacing,
+            path: session.path.clone(),
             objects: ObjectChoices::of(session),
         }
     }
@@ -240,6 +247,7 @@ impl Choices {
         session.presets.clone_from(&self.presets);
         session.material = self.material;
         session.pacing = self.pacing;
+        session.path.clone_from(&self.path);
     }
 
     /// Takes the objects of another snapshot for its own.
@@ -275,6 +283,8 @@ impl Choices {
         note(self.comparison != before.comparison, Field::Comparison);
         note(self.material != before.material, Field::Material);
         note(self.pacing != before.pacing, Field::Pacing);
+        note(self.path.parts() != before.path.parts(), Field::PathParts);
+        note(self.path != before.path, Field::Path);
         self.objects.note_differences(&before.objects, &mut note);
         fields
     }
@@ -289,6 +299,7 @@ impl Choices {
             && self.material == session.material
             && self.pacing == session.pacing
             && self.objects.are_of(session)
+            && self.path == session.path
     }
 
     /// Whether no renderer has been chosen yet: the window has just opened.
@@ -343,6 +354,7 @@ pub(crate) fn in_words(fields: &[Field], rows: &Rows) -> String {
         Field::Setting { owner, .. } if fields.iter().all(is_of_one) => {
             format!("Settings of {}", title_of(owner, rows))
         }
+        Field::PathParts => name,
         Field::Ambient | Field::Headlight | Field::LightCount | Field::Light(_) => {
             "Lights".to_owned()
         }
@@ -379,6 +391,7 @@ fn name_of(field: &Field, rows: &Rows) -> String {
         Field::ObjectName => "Name",
         Field::Transform => "Position",
         Field::ObjectRadiusScale => "Radius scale of objects",
+        Field::PathParts | Field::Path => "Camera path",
         Field::Visibility => "Visibility",
         Field::Selection => "Selection",
     };

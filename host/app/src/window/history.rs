@@ -98,7 +98,9 @@ impl History {
         let is_at_once = fields.iter().any(Field::is_done_at_once);
         let grows = self.open.as_ref().is_some_and(|open| {
             let is_soon = open.is_held || now < open.until;
-            let is_more = open.fields == fields && is_soon && !is_at_once;
+            // Each view that is put into the path or taken out is a step, however fast they come.
+            let is_of_parts = fields.contains(&Field::PathParts);
+            let is_more = open.fields == fields && is_soon && !is_at_once && !is_of_parts;
             let both_are_objects = is_at_once && open.fields.iter().any(Field::is_done_at_once);
             !self.done.is_empty() && (is_more || (joins && both_are_objects))
         });
@@ -166,6 +168,13 @@ impl History {
         let held: HashMap<usize, usize> = steps.flat_map(|step| step.choices.columns()).collect();
         let held = held.iter().filter(|(address, _)| !shown.contains(address));
         held.map(|(_, bytes)| bytes).sum()
+    }
+
+    /// Takes the session as it is: what changed since the last pass was no change of the user's.
+    pub(crate) fn absorb(&mut self, session: &Session) {
+        if self.present.is_some() {
+            self.present = Some(Choices::of(session));
+        }
     }
 
     /// Takes the last step back; says what it changed.

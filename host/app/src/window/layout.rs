@@ -14,6 +14,7 @@ use super::inspector::{self, pixel_at};
 use super::intent::{InspectIntent, Intents, Tab};
 use super::log::log_ui;
 use super::menu::menu_ui;
+use super::path::{FilmFacts, PathPanel, path_ui};
 use super::save_image::{SaveFacts, SaveImage};
 use super::settings::{self, camera, compare, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
@@ -39,6 +40,13 @@ impl App {
                 .resizable(true)
                 .default_size(180.0)
                 .show(ui, |ui| log_ui(ui, &self.log, out));
+        }
+        if self.panels.path {
+            Panel::bottom("path")
+                .resizable(true)
+                .default_size(200.0)
+                .min_size(90.0)
+                .show(ui, |ui| self.path_ui(ui, out));
         }
         if self.panels.settings {
             Panel::right("settings")
@@ -133,6 +141,14 @@ impl App {
                 self.last_save_image = self.save_image.take().map(SaveImage::for_next_time);
             }
         }
+        if let Some(mut dialog) = self.film_dialog.take() {
+            let facts = FilmFacts {
+                count: self.film_count(dialog.fps()),
+            };
+            if dialog.ui(ctx, &facts, out) {
+                self.film_dialog = Some(dialog);
+            }
+        }
         if let Some(field) = &mut self.path_field
             && !field.ui(ctx, out)
         {
@@ -142,6 +158,33 @@ impl App {
             ctx,
             self.screens.active.viewport.map(|viewport| viewport.id),
         );
+    }
+
+    /// The strip of the camera path.
+    fn path_ui(&self, ui: &mut Ui, out: &mut Intents) {
+        let session = &self.session;
+        let pane = &session.panes.active;
+        let obstacle = self.film_obstacle();
+        let panel = PathPanel {
+            path: &session.path,
+            time: self.player.time(),
+            is_playing: self.player.is_playing(),
+            views: &session.views,
+            rows: &self.rows,
+            renderer: &pane.renderer,
+            structure: pane.structure.as_deref(),
+            obstacle: obstacle.as_deref(),
+        };
+        path_ui(ui, &panel, out);
+    }
+
+    /// Why no pictures of the path can be rendered.
+    pub(super) fn film_obstacle(&self) -> Option<String> {
+        if self.session.scene.objects().is_empty() {
+            return Some("there is nothing to see yet; open a file first".to_owned());
+        }
+        let is_empty = self.session.path.is_empty();
+        is_empty.then(|| "the path is empty: add views, a turntable or settings".to_owned())
     }
 
     /// What is under the pointer, and what a click asks about it.

@@ -1,6 +1,6 @@
 //! Files into the session: what the worker does for each, and how its answer changes the scene.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{
@@ -41,6 +41,10 @@ pub(crate) enum Finished {
     ImageSaved(Box<Saved>, [u32; 2]),
     /// An image that the user does not want any more; the file's name.
     ImageCancelled(String),
+    /// The first of the path's pictures, and how many there are.
+    Filmed(PathBuf, u32),
+    /// Pictures of a path that the user does not want any more; how many are there.
+    FilmCancelled(u32),
     /// An error, for the user.
     Failed(String),
 }

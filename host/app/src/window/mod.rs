@@ -10,6 +10,8 @@ mod app;
 #[cfg(test)]
 mod app_export_tests;
 #[cfg(test)]
+mod app_path_tests;
+#[cfg(test)]
 mod app_tests;
 mod apply;
 mod asking;
@@ -43,6 +45,7 @@ mod object_choices;
 mod open;
 mod pacing;
 mod palette;
+mod path;
 mod picture;
 mod presets;
 mod progress;

@@ -17,10 +17,10 @@ use super::loading::Place;
 use super::pacing::Pacing;
 use super::session::ViewOptions;
 use super::theme;
-use super::views::{NamedView, StoredViews};
+use super::views::{NamedView, StoredViews, slot_key, slot_of_key};
 use crate::preferences::{self, Keeper, Layout, Opened, Preferences, Recent, Theme};
 use crate::session_file::{Renderers, SceneFile};
-use crate::toml_form::{Look, StoredView};
+use crate::toml_form::{Look, NumberOrigin, StoredView};
 
 /// What is remembered beside the session.
 pub(crate) struct Remembered {
@@ -293,15 +293,17 @@ fn tab_from_key(key: &str) -> Tab {
 /// Views as a file holds them: by number first.
 pub(super) fn views_to_store(views: &StoredViews) -> Vec<StoredView> {
     let numbered = views.slots.iter().enumerate();
-    let numbered = numbered.filter_map(|(number, view)| {
+    let numbered = numbered.filter_map(|(slot, view)| {
         Some(StoredView {
-            number: Some(u8::try_from(number).ok()?),
+            key: u8::try_from(slot_key(slot).to_digit(10)?).ok(),
+            number: None,
             name: String::new(),
             view: (*view)?,
             thumbnail: Vec::new(),
         })
     });
     let named = views.named.iter().map(|named| StoredView {
+        key: None,
         number: None,
         name: named.name.clone(),
         view: named.record,
@@ -310,17 +312,19 @@ pub(super) fn views_to_store(views: &StoredViews) -> Vec<StoredView> {
     numbered.chain(named).collect()
 }
 
-/// Views from a file. Numbers beyond the keys and names that come twice are left out.
+/// Views from a file, whose older numbers count places. Names that come twice are left out.
 pub(super) fn stored_views(stored: Vec<StoredView>) -> StoredViews {
     let mut views = StoredViews::default();
-    for StoredView {
-        number,
-        name,
-        view,
-        thumbnail,
-    } in stored
-    {
-        if let Some(slot) = number.and_then(|number| views.slots.get_mut(usize::from(number))) {
+    for mut stored in stored {
+        stored.take_number(NumberOrigin::Place);
+        let StoredView {
+            key,
+            name,
+            view,
+            thumbnail,
+            ..
+        } = stored;
+        if let Some(slot) = key.and_then(|key| views.slots.get_mut(slot_of_key(key))) {
             *slot = Some(view);
         }
         let is_taken = views.named.iter().any(|other| other.name == name);
@@ -394,6 +398,24 @@ mod tests {
             thumbnail: vec![1, 2],
         });
         assert_eq!(stored_views(views_to_store(&views)), views);
+        let keys: Vec<_> = views_to_store(&views).iter().map(|view| view.key).collect();
+        assert_eq!(keys, [Some(1), Some(0), None], "files name the keys");
+    }
+
+    #[test]
+    fn the_settings_of_an_older_window_count_places() {
+        let old = |number| StoredView {
+            key: None,
+            number: Some(number),
+            name: String::new(),
+            view: ViewRecord::new(Camera::default(), 8, 6),
+            thumbnail: Vec::new(),
+        };
+        let views = stored_views(vec![old(2), old(9), old(200)]);
+        let filled: Vec<usize> = (0..views.slots.len())
+            .filter(|slot| views.slots[*slot].is_some())
+            .collect();
+        assert_eq!(filled, [2, 9]);
     }
 
     #[test]

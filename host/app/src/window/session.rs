@@ -12,6 +12,7 @@ use super::pacing::Pacing;
 use super::presets::{ActivePresets, Presets};
 use super::several::Several;
 use super::views::StoredViews;
+use crate::camera_path::MotionPath;
 
 /// All that a picture depends on, and what the user chose for renderers that are not chosen now.
 #[derive(Clone, Debug)]
@@ -34,6 +35,8 @@ pub(crate) struct Session {
     pub(crate) pacing: Pacing,
     /// Views that were kept.
     pub(crate) views: StoredViews,
+    /// How camera and settings change over time.
+    pub(crate) path: MotionPath,
 }
 
 /// One view: how the scene is looked at, and what draws it.
@@ -100,6 +103,7 @@ impl Session {
             presets: Presets::new(),
             pacing: Pacing::default(),
             views: StoredViews::default(),
+            path: MotionPath::default(),
         }
     }
 

@@ -13,6 +13,7 @@ use super::comparison::{Comparison, FLICKER_HZ, Way};
 use super::history::History;
 use super::intent::OpenMode;
 use super::loading::{Arrival, Batch, Finished, Place, arrive};
+use super::path::Player;
 use super::remembered::{stored_views, views_to_store};
 use super::session::Pane;
 use super::several::{MOST_VIEWS, Several};
@@ -119,6 +120,7 @@ impl App {
             settings,
             presets,
             views,
+            path: motion,
             panes,
             comparison,
             ..
@@ -137,6 +139,7 @@ impl App {
         session.panes.active.settings = settings;
         session.panes.active.active_presets = presets;
         session.views = stored_views(views);
+        session.path = motion.unwrap_or_default();
         if let Some(main) = renderers.main {
             session.panes.active.renderer = main;
         }
@@ -146,6 +149,7 @@ impl App {
             self.take_over_panes(panes, &comparison.unwrap_or_default());
         }
         self.match_screens();
+        self.player = Player::default();
         // What was undone led to another session.
         self.history = History::default();
         tracing::info!("session opened: {}", path.display());
@@ -200,6 +204,7 @@ impl App {
         file.settings = session.panes.active.settings.clone();
         file.presets = session.panes.active.active_presets.clone();
         file.views = views_to_store(&session.views);
+        file.path = (!session.path.is_empty()).then(|| session.path.clone());
         if session.panes.count() > 1 {
             file.panes = self.panes_to_store();
             file.comparison = Some(session.comparison.to_file(session.panes.active_index()));

@@ -39,6 +39,11 @@ pub(crate) fn slot_key(slot: usize) -> char {
     char::from_digit((slot as u32 + 1) % 10, 10).unwrap_or('0')
 }
 
+/// The slot of a key, 0 to 9.
+pub(crate) fn slot_of_key(key: u8) -> usize {
+    (usize::from(key) + SLOT_COUNT - 1) % SLOT_COUNT
+}
+
 impl StoredViews {
     /// Appends a view under a name that is free.
     pub(crate) fn add(&mut self, record: ViewRecord, thumbnail: Vec<u8>) {
@@ -157,5 +162,11 @@ mod tests {
     fn slots_are_called_by_their_keys() {
         let keys: String = (0..SLOT_COUNT).map(slot_key).collect();
         assert_eq!(keys, "1234567890");
+        for slot in 0..SLOT_COUNT {
+            let key = slot_key(slot)
+                .to_digit(10)
+                .and_then(|key| u8::try_from(key).ok());
+            assert_eq!(key.map(slot_of_key), Some(slot));
+        }
     }
 }

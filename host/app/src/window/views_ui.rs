@@ -144,7 +144,8 @@ impl App {
             layers: &layers,
             background: seen_background(screen, pane.view.background),
             navigation: &self.session.navigation,
-            is_moving: self.navigator.is_moving() && index == self.session.panes.active_index(),
+            is_moving: (self.navigator.is_moving() || self.player.is_playing())
+                && index == self.session.panes.active_index(),
             zoom,
         };
         let mut ui = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(("view", index)));
@@ -200,7 +201,7 @@ impl App {
             layers: &[],
             background: self.background_of(lead),
             navigation: &self.session.navigation,
-            is_moving: self.navigator.is_moving(),
+            is_moving: self.navigator.is_moving() || self.player.is_playing(),
             zoom,
         };
         let mut ui = ui.new_child(UiBuilder::new().max_rect(view).id_salt("pair"));

@@ -11,7 +11,7 @@ use super::{Camera, Projection};
 const NARROW_FOV_RAD: f64 = 0.017_453;
 
 /// Directions closer than this count as one, radians: what rounding leaves.
-const SAME_DIRECTION_RAD: f64 = 1e-6;
+pub(super) const SAME_DIRECTION_RAD: f64 = 1e-6;
 
 impl Camera {
     /// The view at the part `t` of the way from `self` to `to`: `self` itself at 0 and below, `to` itself at 1 and above.
@@ -87,7 +87,7 @@ fn alike(from: &Camera, to: &Camera) -> (Camera, Camera) {
 }
 
 /// An orthographic view as a narrow perspective that shows the pivot's plane at the same size.
-fn narrow(camera: &Camera) -> Camera {
+pub(super) fn narrow(camera: &Camera) -> Camera {
     let near_part = camera.near / camera.distance();
     let mut narrow = camera.with_projection_switched(NARROW_FOV_RAD);
     narrow.near = narrow.distance() * near_part;
@@ -106,18 +106,50 @@ fn direction(from: &Camera, to: &Camera, t: f64) -> (DVec3, DVec3) {
         return (turn * DVec3::Z, turn * DVec3::Y);
     }
     // The horizon stays level all the way, as on the turntable.
-    let [right, _, _] = from.axes_world();
-    let ahead = right.cross(axis);
-    let azimuth_of = |back: DVec3| back.dot(right).atan2(-back.dot(ahead));
-    let (start, end) = (azimuth_of(from_back), azimuth_of(to_back));
-    let turn = (end - start + PI).rem_euclid(TAU) - PI;
-    let (sin_azimuth, cos_azimuth) = (start + turn * t).sin_cos();
-    let (sin_polar, cos_polar) = (polar[0] + (polar[1] - polar[0]) * t).sin_cos();
-    let level = right * sin_azimuth - ahead * cos_azimuth;
-    (level * sin_polar + axis * cos_polar, to.up)
+    let level = Level::new(from, axis);
+    let (start, end) = (level.azimuth(from_back), level.azimuth(to_back));
+    let azimuth = start + nearest_turn(end - start) * t;
+    let back = level.back(azimuth, polar[0] + (polar[1] - polar[0]) * t);
+    (back, to.up)
 }
 
-fn rotation(camera: &Camera) -> DQuat {
+/// The turn between −π and π that ends in the same direction.
+pub(super) fn nearest_turn(angle_rad: f64) -> f64 {
+    (angle_rad + PI).rem_euclid(TAU) - PI
+}
+
+/// A level frame: directions as azimuth and polar angle around an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level {
+    axis: DVec3,
+    right: DVec3,
+    ahead: DVec3,
+}
+
+impl Level {
+    /// The frame of a camera whose `up` is `axis`; its azimuth is that of the first view.
+    pub(super) fn new(camera: &Camera, axis: DVec3) -> Self {
+        let [right, _, _] = camera.axes_world();
+        let ahead = right.cross(axis);
+        Self { axis, right, ahead }
+    }
+
+    /// Azimuth of a direction from the pivot to the eye, −π to π.
+    pub(super) fn azimuth(&self, back: DVec3) -> f64 {
+        back.dot(self.right).atan2(-back.dot(self.ahead))
+    }
+
+    /// The direction of an azimuth and a polar angle.
+    pub(super) fn back(&self, azimuth: f64, polar: f64) -> DVec3 {
+        let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
+        let (sin_polar, cos_polar) = polar.sin_cos();
+        let level = self.right * sin_azimuth - self.ahead * cos_azimuth;
+        level * sin_polar + self.axis * cos_polar
+    }
+}
+
+/// The rotation of view space into the world.
+pub(super) fn rotation(camera: &Camera) -> DQuat {
     let [right, up, back] = camera.axes_world();
     DQuat::from_mat3(&DMat3::from_cols(right, up, back)).normalize()
 }

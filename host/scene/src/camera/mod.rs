@@ -1,19 +1,21 @@
 //! The camera: where the eye is, how it projects, how it moves, and how a view is written down.
 //!
 //! [`Camera`] holds the state and gives the matrices; `navigate` moves it around its pivot, `walk` from the eye, and `between`
-//! finds the way to another view; [`NearClipping`] places the near plane. [`ViewRecord`] is a camera with a picture size in a
+//! finds the way to another view; [`CameraPath`] goes through several at their times; [`NearClipping`] places the near plane. [`ViewRecord`] is a camera with a picture size in a
 //! file; [`ViewSource`] is what a user may write where a command takes views.
 
 mod between;
 mod navigate;
 mod near;
 mod orbit;
+mod path;
 mod record;
 mod source;
 mod walk;
 
 pub use near::NearClipping;
 pub use orbit::orbit_cameras;
+pub use path::{CameraKey, CameraPath, CameraPathError, Easing};
 pub use record::{VIEW_RECORD_FORMAT, ViewRecord, ViewRecordError};
 pub use source::{ViewSource, ViewSourceError};
 

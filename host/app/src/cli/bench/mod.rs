@@ -29,10 +29,10 @@ use super::measuring::limits::Limit;
 use super::measuring::look::LookArguments;
 use super::measuring::made_by::MadeBy;
 use super::{Failure, Globals, Outcome, named_plugins, write_out};
+use crate::camera_path::PathSource;
 use crate::output::whole_file;
 use crate::session_file::SceneFile;
 use lane::Lane;
-use path::PathSource;
 use report::Report;
 
 /// Arguments of `bench`.
@@ -46,8 +46,8 @@ Examples:
 
 Every FILE is a scene of its own. A renderer is NAME, or NAME:SETTING=VALUE:SETTING=VALUE; 'all' stands for every renderer.
 Pictures are drawn as fast as they can be (there is no display to wait for) and read back. Renderers and scenes take turns,
-round by round. --path FILE holds a view record, around whose pivot the eye turns once, or a list of them ([ …, … ]), which
-the eye flies through. With --out, DIR gets bench.json, bench.md and plots (SVG).")]
+round by round. --path FILE holds a camera path (.toml), a view record (JSON), around whose pivot the eye turns once, or a list
+of them ([ …, … ]), which the eye flies through. Pictures are spread evenly over its time. With --out, DIR gets bench.json, bench.md and plots (SVG).")]
 pub(crate) struct BenchArguments {
     /// Files of points or meshes, each a scene of its own
     #[arg(value_name = "FILE", required = true)]
@@ -55,8 +55,12 @@ pub(crate) struct BenchArguments {
     /// Renderers to time, separated by commas; the same one may stand there several times with different settings
     #[arg(long, value_name = "LIST", required = true, value_delimiter = ',', value_parser = entries::entry_text)]
     renderers: Vec<EntryText>,
-    /// The eye's way: once around the scene, or through the views of a FILE
-    #[arg(long, value_name = "orbit|FILE", default_value = "orbit")]
+    /// The eye's way: once around the scene, or along a camera path or through the views of a FILE
+    #[arg(
+        long,
+        value_name = "orbit[:N]|turntable:SECONDS[:DEGREES]|FILE",
+        default_value = "orbit"
+    )]
     path: PathSource,
     /// Pictures along the way that count
     #[arg(long, value_name = "N", default_value = "60", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -112,9 +116,12 @@ pub(crate) fn run(globals: &Globals, arguments: &BenchArguments) -> Outcome {
     let paths = stands
         .iter()
         .map(|stand| {
-            arguments
-                .path
-                .cameras(&stand.scene, arguments.look.size, arguments.frames)
+            path::cameras(
+                &arguments.path,
+                &stand.scene,
+                arguments.look.size,
+                arguments.frames,
+            )
         })
         .collect::<Outcome<Vec<_>>>()?;
     if let Some(folder) = &arguments.out {

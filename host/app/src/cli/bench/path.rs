@@ -1,147 +1,111 @@
 //! The way of the eye.
 
-use std::convert::Infallible;
-use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use pointstage_scene::{Camera, Scene, orbit_cameras};
 
-use anyhow::Context as _;
-use pointstage_scene::{Camera, Scene, ViewRecord, orbit_cameras};
-
+use crate::camera_path::{LoadedPath, MotionPath, PathSource};
 use crate::cli::{Failure, Outcome};
 
-/// Where the way comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum PathSource {
-    /// Once around the scene.
-    Orbit,
-    /// Through or around the views of a file.
-    File(PathBuf),
-}
-
-impl FromStr for PathSource {
-    type Err = Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(match text {
-            "orbit" => Self::Orbit,
-            file => Self::File(file.into()),
-        })
-    }
-}
-
-impl PathSource {
-    /// So many cameras along the way, evenly.
-    pub(super) fn cameras(
-        &self,
-        scene: &Scene,
-        [width, height]: [u32; 2],
-        count: u32,
-    ) -> Outcome<Vec<Camera>> {
-        let aspect = f64::from(width) / f64::from(height);
-        match self {
-            Self::Orbit => Ok(orbit_cameras(&scene.bounds_world(), count as usize, aspect)),
-            Self::File(path) => Ok(along(&read(path)?, count)),
+/// `count` cameras along the way, evenly.
+pub(super) fn cameras(
+    source: &PathSource,
+    scene: &Scene,
+    [width, height]: [u32; 2],
+    count: u32,
+) -> Outcome<Vec<Camera>> {
+    let aspect = f64::from(width) / f64::from(height);
+    let bounds = scene.bounds_world();
+    let ring = |views: u32| orbit_cameras(&bounds, views as usize, aspect);
+    let path = match source {
+        PathSource::Orbit => return Ok(ring(count)),
+        PathSource::OrbitOf(views) => {
+            let places = ring(*views);
+            return Ok(places.into_iter().cycle().take(count as usize).collect());
         }
-    }
-
-    /// As the command line has it.
-    pub(super) fn text(&self) -> String {
-        match self {
-            Self::Orbit => "orbit".to_owned(),
-            Self::File(path) => path.to_string_lossy().into_owned(),
+        PathSource::Turntable(turntable) => MotionPath::of_turntable(*turntable),
+        PathSource::Session => {
+            return Err(Failure::usage(
+                "--path session: bench takes no session; name its FILE",
+            ));
         }
-    }
+        PathSource::File(file) => {
+            let loaded = LoadedPath::read(file)?;
+            if !loaded.path.tracks.is_empty() {
+                eprintln!(
+                    "warning: {}: all pictures are drawn with the same settings, so the path's tracks are left out",
+                    loaded.name()
+                );
+            }
+            loaded.path
+        }
+    };
+    let base = ring(1).first().copied().unwrap_or_default();
+    let way = path.way(base, &bounds)?;
+    Ok(along(&path, |time| way.at(time), count))
 }
 
-/// The views of a file: one record, or a list of them.
-fn read(path: &Path) -> Outcome<Vec<Camera>> {
-    let text = std::fs::read_to_string(path).with_context(|| {
-        format!(
-            "{}: the path cannot be read; expected 'orbit', or a file with view records",
-            path.display()
-        )
-    })?;
-    let records = if text.trim_start().starts_with('[') {
-        serde_json::from_str::<Vec<ViewRecord>>(&text)
-            .map_err(|error| anyhow::anyhow!("not a list of view records: {error}"))
-            .and_then(|records| {
-                let checked = records.into_iter().map(ViewRecord::checked);
-                Ok(checked.collect::<Result<Vec<_>, _>>()?)
-            })
+/// Evenly over the path's time. At its end with the last picture, unless it ends where it began.
+fn along(path: &MotionPath, at: impl Fn(f64) -> Camera, count: u32) -> Vec<Camera> {
+    let end = path.duration_s();
+    let turns_round = path.keys.len() < 2 && at(0.0) == at(end);
+    let steps = if turns_round {
+        count
     } else {
-        ViewRecord::from_json(&text)
-            .map(|record| vec![record])
-            .map_err(Into::into)
+        count.saturating_sub(1)
     };
-    let records = records.with_context(|| path.display().to_string())?;
-    if records.is_empty() {
-        return Err(Failure::Failed(anyhow::anyhow!(
-            "{}: the list has no views; expected at least one",
-            path.display()
-        )));
-    }
-    Ok(records.iter().map(ViewRecord::camera).collect())
-}
-
-/// Around the pivot of one view, or from the first view of several to the last.
-fn along(views: &[Camera], count: u32) -> Vec<Camera> {
-    let at = |index: u32| {
-        if let [view] = views {
-            let mut camera = *view;
-            camera.orbit_turntable(TAU * f64::from(index) / f64::from(count), 0.0);
-            return camera;
-        }
-        // At the last view with the last picture.
-        let part = f64::from(index) / f64::from(count.saturating_sub(1).max(1));
-        let place = part * (views.len() - 1) as f64;
-        let before = (place as usize).min(views.len() - 2);
-        views[before].between(&views[before + 1], place - before as f64)
-    };
-    (0..count).map(at).collect()
+    let time = |index: u32| end * f64::from(index) / f64::from(steps.max(1));
+    (0..count).map(|index| at(time(index))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera_path::Turntable;
+    use pointstage_scene::ViewRecord;
 
-    #[test]
-    fn one_view_is_turned_around_and_several_are_flown_through() {
-        let first = Camera::default();
-        let mut last = first;
-        last.orbit_turntable(1.0, 0.2);
-        let around = along(&[first], 4);
-        assert_eq!(around.len(), 4);
-        assert!(around[0].eye.distance(first.eye) < 1e-9);
-        let across = first.pivot - (first.eye - first.pivot);
-        assert!(around[2].eye.distance(across).abs() < 2.0 * first.eye.distance(first.pivot));
-        let flown = along(&[first, last, first], 5);
-        for (index, view) in [(0, first), (2, last), (4, first)] {
-            assert!(flown[index].eye.distance(view.eye) < 1e-9, "{index}");
-        }
-        assert_eq!(along(&[first, last], 1).len(), 1);
+    fn cameras_of(source: &str, count: u32) -> Outcome<Vec<Camera>> {
+        cameras(&source.parse().expect(source), &Scene::new(), [8, 6], count)
     }
 
     #[test]
-    fn what_is_no_path_is_named() {
+    fn one_view_is_turned_around_and_several_are_flown_through() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        for (text, expected) in [
-            ("[]", "no views"),
-            ("[1]", "not a list of view records"),
-            ("{}", "not a view record"),
-        ] {
-            let path = folder.path().join("way.json");
-            std::fs::write(&path, text).expect("written");
-            match read(&path) {
-                Err(Failure::Failed(error)) => {
-                    let said = format!("{error:#}");
-                    assert!(
-                        said.contains("way.json") && said.contains(expected),
-                        "{said}"
-                    );
-                }
-                other => panic!("{text}: {other:?}"),
-            }
+        let file = folder.path().join("way.json");
+        let along = |text: String, count| {
+            std::fs::write(&file, text).expect("written");
+            cameras_of(&file.display().to_string(), count).expect("views")
+        };
+        let first = Camera::default();
+        let mut last = first;
+        last.orbit_turntable(1.0, 0.2);
+        let json = |camera: Camera| ViewRecord::new(camera, 8, 6).to_json();
+        let around = along(json(first), 4);
+        assert_eq!((around.len(), around[0]), (4, first));
+        let across = first.pivot - (first.eye - first.pivot);
+        assert!(around[2].eye.distance(across) < 1e-9);
+        let list = format!("[{},{},{}]", json(first), json(last), json(first));
+        let flown = along(list, 5);
+        for (index, view) in [(0, first), (2, last), (4, first)] {
+            assert!(flown[index].eye.distance(view.eye) < 1e-9, "{index}");
         }
+        assert_eq!(
+            along(format!("[{},{}]", json(first), json(last)), 1).len(),
+            1
+        );
+    }
+
+    #[test]
+    fn turns_around_the_scene_are_even() {
+        let four = cameras_of("orbit:4", 6).expect("a ring");
+        assert_eq!((four.len(), four[4]), (6, four[0]));
+        let turned = cameras_of("turntable:3", 4).expect("a turn");
+        assert_eq!(turned[0], four[0]);
+        assert!(turned[1].eye.distance(four[1].eye) < 1e-9, "a quarter");
+        let half = MotionPath::of_turntable(Turntable::new(2.0, 180.0));
+        let way = half
+            .way(four[0], &pointstage_scene::Bounds::EMPTY)
+            .expect("a way");
+        let ends = along(&half, |time| way.at(time), 3);
+        assert!(ends[2].eye.distance(four[2].eye) < 1e-9, "it shows its end");
+        assert!(cameras_of("session", 3).is_err());
     }
 }

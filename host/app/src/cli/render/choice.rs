@@ -9,6 +9,7 @@ use pointstage_scene::{Scene, ViewRecord};
 
 use super::RenderArguments;
 use super::plan::Plan;
+use crate::camera_path::Drawer;
 use crate::cli::drawing::{self, find_setting, no_target};
 use crate::cli::values::AovFormat;
 use crate::cli::{Failure, Outcome};
@@ -92,6 +93,27 @@ impl Choice {
             Some(info) if !self.is_fallback => info.id.clone(),
             _ => FALLBACK_ID.to_owned(),
         }
+    }
+
+    /// Those whose settings can change along a path, when `renderer` draws.
+    pub(super) fn drawers<'a>(
+        &'a self,
+        renderer: &'a str,
+        info: Option<&'a PluginInfo>,
+    ) -> Vec<Drawer<'a>> {
+        let structure = self.structure.as_deref().map(|info| Drawer {
+            id: &info.id,
+            alias: &info.entry.alias,
+            schema: &info.entry.settings,
+            is_structure: true,
+        });
+        let drawer = Drawer {
+            id: renderer,
+            alias: info.map_or("fallback", |info| &info.entry.alias),
+            schema: drawing::schema(info),
+            is_structure: false,
+        };
+        std::iter::once(drawer).chain(structure).collect()
     }
 
     /// The request for one view.

@@ -25,11 +25,17 @@ pub(super) struct Place<'a> {
     pub(super) index: usize,
     /// Of all views.
     pub(super) count: usize,
+    /// Whether the views are pictures of a film.
+    pub(super) is_film: bool,
 }
 
 impl Place<'_> {
     fn file(&self, path: &Path) -> PathBuf {
-        names::for_view(path, self.index, self.count)
+        if self.is_film {
+            names::for_frame(path, self.index, self.count)
+        } else {
+            names::for_view(path, self.index, self.count)
+        }
     }
 
     /// Draws one view and writes its files; says what was written, drawn and counted.

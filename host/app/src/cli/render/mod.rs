@@ -2,9 +2,11 @@
 //!
 //! A session file and the options that override it make a [`plan`]. What can be wrong with it is checked before a scene file
 //! is read ([`choice`]). Then the scene is loaded once, each view is drawn, and its files are written whole ([`files`]).
+//! With `--path` the views are the pictures of a [`film`].
 
 mod choice;
 mod files;
+mod film;
 mod plan;
 
 use std::path::PathBuf;
@@ -16,6 +18,7 @@ use pointstage_engine::stage::{Background, Stage};
 use super::load::{LoadArguments, loaders_of};
 use super::values::{self, AovFile};
 use super::{Failure, Globals, Outcome, named_plugins, write_out};
+use crate::camera_path::{PathSource, ValuesAt};
 use crate::output::whole_file;
 use choice::{Choice, check_targets};
 use files::Place;
@@ -29,6 +32,8 @@ Examples:
   pointstage render scan.ply --renderer points --set size_mode=fixed --set size=3 --out scan.png
   pointstage render scan.ply --out scan.png --aov depth=depth.exr --aov normal=normal.png
   pointstage render a.ply b.ply --view orbit:8 --size 800x600 --out turn.png
+  pointstage render scan.ply --path turntable:4 --fps 30 --out frames/turn_%04d.png
+  pointstage render --session work.pointstage.toml --path session --out frames/work.png
   pointstage render scan.ply --view view.json --stats stats.json --out scan.png
   pointstage render --session work.pointstage.toml --out work.png
   pointstage render --session work.pointstage.toml --view front --renderer surfel --out front.png
@@ -36,6 +41,8 @@ Examples:
   pointstage render scan.ply --out scan.exr
 
 Several views (orbit:N) number their files: turn_000.png, turn_001.png, …
+--path FILE takes a camera path (.toml), a session that has one, or views as JSON: one picture every 1/fps seconds, numbered where
+--out says %04d, else as views are. The folder of the pictures is made. Tracks of the path set renderer settings per picture.
 EXR files hold the target's values: depth as the distance along the line of sight in scene units (infinite where
 nothing is), normals in view space, ids as whole numbers. PNG files show them as the window's legend does.
 --out FILE.exr writes all targets that the renderer gives, as layers of one file.
@@ -55,7 +62,7 @@ pub(crate) struct RenderArguments {
     /// Structure that selects levels of detail
     #[arg(long, value_name = "ID")]
     structure: Option<String>,
-    /// Image to write: the picture (.png), or all targets (.exr)
+    /// Image to write: the picture (.png), or all targets (.exr); with --path %04d stands for the picture's number
     #[arg(long, value_name = "FILE", value_parser = values::image_path)]
     out: PathBuf,
     /// Size of the image in pixels, each side up to 65536 [default: the view's, else the session's, else 1280x720]
@@ -65,6 +72,13 @@ pub(crate) struct RenderArguments {
     /// session stores [default: the session's view, else orbit:1]
     #[arg(long, value_name = "FILE|orbit:N|NAME")]
     view: Option<String>,
+    /// Draw the pictures of a camera path: a FILE, once around the scene in so many seconds, N views around it, or that of the
+    /// session. --view is where a turntable begins
+    #[arg(long, value_name = "FILE|turntable:SECONDS[:DEGREES]|orbit:N|session")]
+    path: Option<PathSource>,
+    /// Pictures a second along the path [default: the path's, else 30]
+    #[arg(long, value_name = "RATE", value_parser = film::rate, requires = "path")]
+    fps: Option<f64>,
     /// A setting of the renderer; may be given several times
     #[arg(long = "set", value_name = "ID=VALUE", value_parser = values::assignment)]
     settings: Vec<(String, String)>,
@@ -111,16 +125,36 @@ pub(crate) fn run(globals: &Globals, arguments: &RenderArguments) -> Outcome {
     if let Ok(info) = stage.registry().find_renderer(&renderer) {
         check_targets(&info, arguments, &plan.look.show)?;
     }
-    let views = plan.views(&scene, arguments.size)?;
+    let mut views = plan.views(&scene, arguments.size)?;
+    let mut changes = Vec::new();
+    if let Some(film) = &plan.film {
+        let info = stage.registry().find_renderer(&renderer).ok();
+        let drawers = choice.drawers(&renderer, info.as_deref());
+        let shots = film.shots(&scene, &views, arguments, &drawers)?;
+        (views, changes) = shots.into_iter().unzip();
+        film::make_folder(&arguments.out)?;
+    }
     let mut written = Vec::new();
     for (index, view) in views.iter().enumerate() {
-        let request = choice.request(&scene, view, renderer.clone(), arguments, &plan);
+        let mut request = choice.request(&scene, view, renderer.clone(), arguments, &plan);
+        if let Some(ValuesAt {
+            renderer,
+            structure,
+        }) = changes.get(index)
+        {
+            request.settings.extend(renderer.clone());
+            request.structure_settings.extend(structure.clone());
+        }
         let place = Place {
             arguments,
             warnings: &warnings,
             index,
             count: views.len(),
+            is_film: plan.film.is_some(),
         };
+        if plan.film.is_some() {
+            film::tell_progress(index, views.len());
+        }
         written.push(place.draw_and_write(&mut stage, view, &request)?);
     }
     if let Some(path) = &arguments.stats {

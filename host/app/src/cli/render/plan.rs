@@ -6,6 +6,7 @@ use pointstage_engine::stage::{SettingValue, SettingValues};
 use pointstage_scene::{Lights, Scene, ViewRecord, ViewSource};
 
 use super::RenderArguments;
+use super::film::Film;
 use crate::cli::{Outcome, views};
 use crate::session_file::{Renderers, SceneFile, SessionFile, SessionFileError};
 use crate::toml_form::{Look, show_from_key};
@@ -29,6 +30,8 @@ pub(super) struct Plan {
     /// The session's size.
     size: Option<[u32; 2]>,
     session: Option<PathBuf>,
+    /// What moves, if anything does.
+    pub(super) film: Option<Film>,
 }
 
 /// Where the picture is seen from.
@@ -53,6 +56,10 @@ impl Plan {
             (Some(text), _) => Some(views::parse(text, &stored)?),
             (None, Some(_)) => None,
             (None, None) => Some(ViewSource::Orbit(1)),
+        };
+        let film = match &arguments.path {
+            Some(source) => Some(Film::new(source, arguments, session.as_ref())?),
+            None => None,
         };
         let session = session.unwrap_or_else(|| {
             SessionFile::new(ViewRecord::new(
@@ -83,6 +90,7 @@ impl Plan {
             stored,
             size: is_session.then_some([session.view.width, session.view.height]),
             session: arguments.session.clone(),
+            film,
         })
     }
 

@@ -5,7 +5,7 @@ use egui::{Key, Modifiers, ThemePreference};
 use super::{Action, COMMAND_SHIFT, Menu, Place};
 use crate::preferences::Theme;
 use crate::window::app::App;
-use crate::window::intent::{Part, WindowIntent};
+use crate::window::intent::{Part, PathIntent, WindowIntent};
 use crate::window::theme::{LARGEST, SMALLEST, TEXT_SCALES, larger, smaller};
 
 /// Keys of the toolkit.
@@ -27,13 +27,45 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
         toggle("window.inspector", "Inspector", Part::Inspector)
             .on(app.panels.inspector)
             .keys(Modifiers::NONE, Key::I),
+        toggle("window.path", "Camera path", Part::Path).on(app.panels.path),
         toggle("window.palette", "Find an action…", Part::Palette)
             .keys(Modifiers::COMMAND, Key::P)
             .keys(Modifiers::COMMAND, Key::K),
     ];
+    actions.extend(path_actions(app));
     actions.extend(theme_actions(app));
     actions.extend(text_scale_actions(app));
     actions
+}
+
+/// What the strip of the camera path does, by name.
+fn path_actions(app: &App) -> Vec<Action> {
+    let place = Place::new(Menu::Window, 0).within("Path");
+    let nothing = (app.session.path.duration_s() <= 0.0)
+        .then(|| "nothing moves along the path yet".to_owned());
+    let title = if app.player.is_playing() {
+        "Pause path"
+    } else {
+        "Play path"
+    };
+    vec![
+        Action::new("path.play", title, place, PathIntent::TogglePlay)
+            .keys(Modifiers::SHIFT, Key::Space)
+            .unless(nothing),
+        Action::new(
+            "path.add",
+            "Add this view to the path",
+            place,
+            PathIntent::Append,
+        ),
+        Action::new(
+            "path.render",
+            "Render frames…",
+            place,
+            PathIntent::ShowDialog,
+        )
+        .unless(app.film_obstacle()),
+    ]
 }
 
 fn theme_actions(app: &App) -> Vec<Action> {

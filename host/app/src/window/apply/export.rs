@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use pointstage_engine::stage::{Background, FrameRequest, Patience, Severity};
+use pointstage_engine::stage::{Background, FrameRequest, Patience, SettingValues, Severity};
 
 use crate::output::export::{
     CPU_TILE_PX, Export, ExportError, Exporting, Format, SMALL_TILE_PX, Saved,
@@ -110,13 +110,17 @@ impl App {
     }
 
     /// The present look in another size.
-    fn frame_to_save(&self, image: &ImageFile) -> FrameRequest {
+    pub(in crate::window) fn frame_to_save(&self, image: &ImageFile) -> FrameRequest {
         let session = &self.session;
         let renderer = self.drawing_renderer();
+        let structure = &session.panes.active.structure;
         FrameRequest {
             lights: session.panes.active.lights.clone(),
-            structure: session.panes.active.structure.clone(),
+            structure: structure.clone(),
             settings: session.settings_of(&renderer),
+            structure_settings: structure
+                .as_ref()
+                .map_or_else(SettingValues::new, |id| session.settings_of(id)),
             show: session.panes.active.view.show.clone(),
             background: match image.backdrop {
                 Backdrop::AsShown => session.panes.active.view.background,

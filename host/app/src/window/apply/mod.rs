@@ -7,6 +7,7 @@ mod export;
 mod file;
 mod inspect;
 mod light;
+mod path;
 mod plugins;
 mod renderer;
 mod scene;
@@ -30,6 +31,7 @@ impl App {
             Intent::Edit(intent) => self.apply_edit(ctx, intent),
             Intent::Renderer(intent) => self.apply_renderer(intent),
             Intent::Camera(intent) => self.apply_camera(intent),
+            Intent::Path(intent) => self.apply_path(ctx, intent),
             Intent::Compare(intent) => self.apply_compare(intent),
             Intent::Views(intent) => self.apply_views(ctx, intent),
             Intent::Light(intent) => self.apply_light(intent),

@@ -37,6 +37,7 @@ impl App {
                 self.inspector.unpin();
                 &mut self.panels.inspector
             }
+            Part::Path => &mut self.panels.path,
             Part::Palette => return self.palette.toggle(),
             Part::Keys => &mut self.panels.keys,
             Part::About => &mut self.panels.about,

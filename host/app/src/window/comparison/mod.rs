@@ -278,7 +278,8 @@ impl App {
             .iter()
             .map(|index| {
                 let screen = self.screens.get(*index)?;
-                let is_still = screen.is_at_rest() && !self.navigator.is_moving();
+                let is_still =
+                    screen.is_at_rest() && !self.navigator.is_moving() && !self.player.is_playing();
                 screen.shown.clone().filter(|_| is_still)
             })
             .collect::<Option<_>>()?;

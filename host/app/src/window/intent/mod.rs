@@ -9,6 +9,7 @@ mod export;
 mod file;
 mod inspect;
 mod light;
+mod path;
 mod plugins;
 mod renderer;
 mod scene;
@@ -23,6 +24,7 @@ pub(crate) use export::{Backdrop, ExportIntent, ImageFile, Replace};
 pub(crate) use file::{FileIntent, OpenMode, Overwrite};
 pub(crate) use inspect::InspectIntent;
 pub(crate) use light::LightIntent;
+pub(crate) use path::{FilmFiles, PathIntent};
 pub(crate) use plugins::PluginsIntent;
 pub(crate) use renderer::RendererIntent;
 pub(crate) use scene::SceneIntent;
@@ -41,6 +43,8 @@ pub(crate) enum Intent {
     Renderer(RendererIntent),
     /// The eye.
     Camera(CameraIntent),
+    /// The camera path.
+    Path(PathIntent),
     /// Views beside each other.
     Compare(CompareIntent),
     /// Stored views.
@@ -116,6 +120,7 @@ areas! {
     Edit(EditIntent),
     Renderer(RendererIntent),
     Camera(CameraIntent),
+    Path(PathIntent),
     Compare(CompareIntent),
     Views(ViewsIntent),
     Light(LightIntent),

@@ -34,6 +34,8 @@ pub(crate) enum Part {
     Log,
     /// The inspector panel.
     Inspector,
+    /// The strip of the camera path.
+    Path,
     /// The search over all actions and settings.
     Palette,
     /// The list of keys and mouse actions.
