@@ -156,3 +156,58 @@ fn a_renderer_of_the_session_that_is_not_there_is_a_warning() -> Result<()> {
     );
     Ok(())
 }
+
+/// The parts of the picture that are not background.
+fn drawn(picture: &RgbaImage) -> usize {
+    let pixels = picture.pixels();
+    pixels.filter(|pixel| pixel.0 != [255, 0, 0, 255]).count()
+}
+
+#[test]
+fn objects_of_a_session_have_places_materials_and_radius_scales_of_their_own() -> Result<()> {
+    // Two spheres beside each other.
+    let beside = |x: &str, more: &str| {
+        format!(
+            "[[scene]]\nfile = \"../sphere.ply\"\ntransform = [0.3, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.3, {x}, 0.0, 0.0]\n{more}\n"
+        )
+    };
+    let two = |more: &str| beside("-0.6", "") + &beside("0.6", more);
+    let shell = Shell::with_session(&two(""))?;
+    let path = shell.folder().join("sessions/a.pointstage.toml");
+    let draw = |scene: &str| -> Result<RgbaImage> {
+        std::fs::write(&path, session(scene))?;
+        Ok(shell.draw("--session sessions/a.pointstage.toml")?.0)
+    };
+    let plain = draw(&two(""))?;
+    let left = draw(&beside("-0.6", ""))?;
+    let right = draw(&beside("0.6", ""))?;
+    assert!(drawn(&left) > 20 && drawn(&right) > 20);
+    assert_eq!(drawn(&plain), drawn(&left) + drawn(&right));
+    let hidden = draw(&two("visible = false"))?;
+    assert!(hidden == left, "a hidden object is drawn");
+
+    // What is said of the second object changes it alone.
+    let differing = |other: &RgbaImage| {
+        let pairs = plain.enumerate_pixels().zip(other.pixels());
+        let differing = pairs.filter(|((_, _, a), b)| a != b);
+        let places: Vec<(u32, u32)> = differing.map(|((x, y, _), _)| (x, y)).collect();
+        let on_left = |(x, y): &(u32, u32)| left.get_pixel(*x, *y).0 != [255, 0, 0, 255];
+        let of_left = places.iter().filter(|at| on_left(at)).count();
+        (of_left, places.len())
+    };
+    let dark = draw(&two(
+        "material = { ka = 0.0, kd = 0.0, ks = 0.0, shininess = 1.0 }",
+    ))?;
+    let (of_left, all) = differing(&dark);
+    assert!(of_left == 0 && all > 20, "{of_left} of {all}");
+    assert_eq!(drawn(&dark), drawn(&plain));
+    let large = draw(&two("radius_scale = 3.0"))?;
+    assert!(
+        drawn(&large) > drawn(&plain) + 10,
+        "larger surfels cover more"
+    );
+    let small = draw(&two("radius_scale = 0.05"))?;
+    assert!(drawn(&small) < drawn(&plain), "smaller ones cover less");
+    assert_eq!(differing(&small).0, 0, "the other object has changed");
+    Ok(())
+}

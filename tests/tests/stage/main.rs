@@ -7,6 +7,7 @@ mod agreement;
 mod blending;
 mod manage;
 mod near_plane;
+mod radius_scale;
 mod raycast;
 mod selections;
 mod sharp_edges;

@@ -2,10 +2,11 @@
 //! without one.
 //!
 //! [`SessionFile`] is the content; [`paths`] keeps scene files relative to the session file, so that a folder with both can
-//! be moved; [`scene`] turns entries into objects; [`panes`] holds several views beside each other; [`request`] makes the session of one picture; [`picture`] finds the session inside a picture that Pointstage wrote;
+//! be moved; [`scene`] turns entries into objects, [`own_objects`] writes those that no file holds; [`panes`] holds several views beside each other; [`request`] makes the session of one picture; [`picture`] finds the session inside a picture that Pointstage wrote;
 //! [`error`] says what is wrong with a file. Absent fields take defaults, unknown ones are ignored.
 
 mod error;
+mod own_objects;
 mod panes;
 mod paths;
 mod picture;
@@ -24,6 +25,7 @@ use pointstage_scene::{Lights, ViewRecord};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use error::SessionFileError;
+pub(crate) use own_objects::{OwnFiles, OwnObject};
 pub(crate) use panes::{ComparisonFile, PaneFile};
 pub(crate) use paths::{absolute, folder_of};
 pub(crate) use scene::SceneFile;

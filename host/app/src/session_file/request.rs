@@ -10,7 +10,7 @@ use crate::toml_form::Look;
 
 impl SessionFile {
     /// The session that draws what `request` asks for. `warnings` are what loading each object gave; objects that came
-    /// from no file are left out.
+    /// from no file, or have other surfels by now, are left out.
     pub(crate) fn of_request(
         request: &FrameRequest,
         warnings: &BTreeMap<ObjectId, Warnings>,
@@ -19,6 +19,7 @@ impl SessionFile {
         let mut session = Self::new(ViewRecord::new(request.camera, width, height));
         let objects = request.scene.objects().iter();
         session.scene = objects
+            .filter(|object| object.loaded.is_none() || object.is_as_in_file())
             .filter_map(|object| SceneFile::of(object, warnings.get(&object.id)))
             .collect();
         session.look = Look {

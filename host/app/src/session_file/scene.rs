@@ -1,6 +1,7 @@
 //! One object of a session's scene: its file, how to load it, and what is not in it.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::DAffine3;
 use pointstage_engine::stage::SettingValues;
@@ -10,6 +11,7 @@ use pointstage_scene::{
 };
 use serde::{Deserialize, Serialize};
 
+use super::own_objects::is_own;
 use crate::toml_form;
 
 /// An object as a session keeps it.
@@ -41,6 +43,30 @@ pub(crate) struct SceneFile {
     /// How it takes light.
     #[serde(default, deserialize_with = "toml_form::material")]
     pub(crate) material: Material,
+    /// Factor on the radii of its surfels.
+    #[serde(default = "one", deserialize_with = "toml_form::positive")]
+    pub(crate) radius_scale: f32,
+    /// Whether panels and commands are about it.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub(crate) active: bool,
+    /// Whether the file was written with the session: it is read as it is, and nothing is estimated.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub(crate) own: bool,
+    /// Of such a file, whether its normals have no outside, since they were estimated.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub(crate) two_sided: bool,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_no(flag: &bool) -> bool {
+    !*flag
 }
 
 fn yes() -> bool {
@@ -60,26 +86,53 @@ impl SceneFile {
             loader_settings: SettingValues::new(),
             transform: DAffine3::IDENTITY,
             material: Material::default(),
+            radius_scale: 1.0,
+            active: false,
+            own: false,
+            two_sided: false,
         }
     }
 
     /// The entry of an object; `None` for one that came from no file. `warnings` are what loading it gave.
     pub(crate) fn of(object: &Object, warnings: Option<&Warnings>) -> Option<Self> {
         let source = object.source.as_ref()?;
+        let file = std::path::absolute(source).unwrap_or_else(|_| source.clone());
+        if is_own(&file) {
+            return Some(Self::of_own(object, file));
+        }
         let origins = &object.geometry.origins;
         let LoaderChoice { loader, settings } = object.loader.clone().unwrap_or_default();
         let is_flipped = |warnings: &Warnings| warnings.count(&WarningKind::Flipped) > 0;
         Some(Self {
-            file: std::path::absolute(source).unwrap_or_else(|_| source.clone()),
-            name: object.name.clone(),
-            visible: object.visible,
+            file,
             flipped: warnings.is_some_and(is_flipped),
             estimated: [origins.normals, origins.radii].contains(&Provenance::Estimated),
             loader,
             loader_settings: settings,
+            ..Self::look_of(object)
+        })
+    }
+
+    /// The entry of an object whose surfels stand in a file that is written with the session.
+    pub(crate) fn of_own(object: &Object, file: PathBuf) -> Self {
+        Self {
+            file,
+            own: true,
+            two_sided: object.geometry.origins.normals == Provenance::Estimated,
+            ..Self::look_of(object)
+        }
+    }
+
+    /// What no file holds.
+    fn look_of(object: &Object) -> Self {
+        Self {
+            name: object.name.clone(),
+            visible: object.visible,
             transform: object.world_from_object,
             material: object.material,
-        })
+            radius_scale: object.radius_scale,
+            ..Self::new(PathBuf::new())
+        }
     }
 
     /// How its file is loaded.
@@ -89,7 +142,9 @@ impl SceneFile {
                 loader: self.loader.clone(),
                 settings: self.loader_settings.clone(),
             }),
-            estimation: if self.estimated {
+            estimation: if self.own {
+                Estimation::FileOnly
+            } else if self.estimated {
                 Estimation::Always
             } else {
                 Estimation::Automatic
@@ -111,5 +166,10 @@ impl SceneFile {
         object.visible = self.visible;
         object.world_from_object = self.transform;
         object.material = self.material;
+        object.radius_scale = self.radius_scale;
+        if self.two_sided && object.geometry.origins.normals != Provenance::Missing {
+            // The same surfels under the same revision: nobody has seen them yet.
+            Arc::make_mut(&mut object.geometry).origins.normals = Provenance::Estimated;
+        }
     }
 }

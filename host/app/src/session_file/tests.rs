@@ -70,6 +70,11 @@ fn every_flaw_is_told_with_its_line_what_was_expected_and_found() {
         ),
         ("[[0.3,", "[[3,", "from 0 to 1"),
         (
+            "[scene.material]",
+            "radius_scale = -1.0\n[scene.material]",
+            "expected a number above 0, found -1",
+        ),
+        (
             "format = 1",
             "format = 9",
             "format 9, this program reads format 1",
@@ -92,6 +97,15 @@ fn unknown_fields_and_absent_ones_do_no_harm() {
     let (view, _) = view.split_once("[renderers]").expect("more");
     let short = format!("{head}[view]{view}");
     assert_eq!(SessionFile::parse(&short, folder), Ok(plain()));
+}
+
+#[test]
+fn an_object_of_an_older_session_takes_what_it_lacks() {
+    let text = format!("{}\n[[scene]]\nfile = \"a.ply\"\n", text_of(&plain()));
+    let session = SessionFile::parse(&text, Path::new(FOLDER)).expect("it is as it was");
+    let expected = SceneFile::new("/no/sessions/a.ply".into());
+    assert_eq!(session.scene, [expected]);
+    assert_eq!(session.scene[0].radius_scale, 1.0);
 }
 
 #[test]
@@ -170,8 +184,9 @@ fn any_scene_file() -> impl Strategy<Value = SceneFile> {
     let path = "/(no|else)/(sessions/)?[a-zé ]{1,9}/[a-z'\"]{1,9}\\.ply";
     let transform = proptest::collection::vec(number(), 12);
     let flags = (any::<bool>(), any::<bool>(), any::<bool>());
-    (path, "\\PC{0,12}", flags, transform, any_material()).prop_map(
-        |(file, name, (visible, flipped, estimated), transform, material)| SceneFile {
+    let own = (any::<[bool; 3]>(), 1e-3..1e3f32);
+    (path, "\\PC{0,12}", flags, transform, any_material(), own).prop_map(
+        |(file, name, (visible, flipped, estimated), transform, material, own)| SceneFile {
             file: PathBuf::from(file),
             name,
             visible,
@@ -189,6 +204,10 @@ fn any_scene_file() -> impl Strategy<Value = SceneFile> {
             },
             transform: glam::DAffine3::from_cols_slice(&transform),
             material,
+            radius_scale: own.1,
+            active: own.0[0],
+            own: own.0[1],
+            two_sided: own.0[2],
         },
     )
 }

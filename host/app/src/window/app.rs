@@ -229,6 +229,7 @@ impl App {
                         self.frame_new_scene();
                     }
                 }
+                Finished::Merged(merged) => self.take_merged(*merged),
                 Finished::Session(opened) => self.take_over(*opened),
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");

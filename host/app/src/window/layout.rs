@@ -338,7 +338,15 @@ impl App {
                 };
                 compare::compare_ui(ui, &tab, out);
             }
-            Tab::Scene => scene::scene_ui(ui, &session.scene, &session.warnings, out),
+            Tab::Scene => {
+                let tab = scene::SceneTab {
+                    scene: &session.scene,
+                    warnings: &session.warnings,
+                    active: session.active_object(),
+                    material: session.material,
+                };
+                scene::scene_ui(ui, &tab, out);
+            }
             Tab::Plugins => {
                 let tab = plugins::PluginsTab {
                     rows: &self.rows,

@@ -33,6 +33,8 @@ pub(crate) enum Place {
 pub(crate) enum Finished {
     /// An object.
     Loaded(Box<Loaded>, Place),
+    /// Objects made one.
+    Merged(Box<Merged>),
     /// A session with its objects.
     Session(Box<OpenedSession>),
     /// Stopped by the user.
@@ -47,6 +49,15 @@ pub(crate) enum Finished {
     FilmCancelled(u32),
     /// An error, for the user.
     Failed(String),
+}
+
+/// One object made of several.
+#[derive(Debug)]
+pub(crate) struct Merged {
+    /// The union.
+    pub(crate) object: Object,
+    /// What it was made of.
+    pub(crate) parts: Vec<Object>,
 }
 
 /// Loads a file; runs on the worker.
@@ -171,6 +182,7 @@ fn in_place_of(old: &Object, new: Object) -> Object {
         name: old.name.clone(),
         world_from_object: old.world_from_object,
         material: old.material,
+        radius_scale: old.radius_scale,
         visible: old.visible,
         selected: old.selected,
         ..new

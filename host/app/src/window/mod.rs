@@ -59,6 +59,8 @@ mod save_image;
 mod screen;
 mod session;
 mod session_link;
+#[cfg(test)]
+mod session_objects_tests;
 mod settings;
 mod several;
 mod stage_link;

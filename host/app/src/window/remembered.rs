@@ -19,7 +19,7 @@ use super::session::ViewOptions;
 use super::theme;
 use super::views::{NamedView, StoredViews, slot_key, slot_of_key};
 use crate::preferences::{self, Keeper, Layout, Opened, Preferences, Recent, Theme};
-use crate::session_file::{Renderers, SceneFile};
+use crate::session_file::{OwnFiles, Renderers, SceneFile};
 use crate::toml_form::{Look, NumberOrigin, StoredView};
 
 /// What is remembered beside the session.
@@ -36,6 +36,8 @@ pub(crate) struct Remembered {
     pub(super) session_path: Option<PathBuf>,
     /// Objects of that session whose files could not be loaded: they are saved with it again.
     pub(super) absent: Vec<SceneFile>,
+    /// Which surfels the files hold that were written for objects of sessions.
+    pub(super) own_files: OwnFiles,
     /// Folders that the user added, as the settings file had them.
     plugin_folders: Vec<PathBuf>,
     /// Folders that are searched for plugins without being added.
@@ -61,6 +63,7 @@ impl Remembered {
             missing: BTreeSet::new(),
             session_path: None,
             absent: Vec::new(),
+            own_files: OwnFiles::default(),
             plugin_folders: Vec::new(),
             usual_folders: standard_folders(),
             to_tell: None,

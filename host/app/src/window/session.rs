@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pointstage_engine::stage::{Background, SettingValues, Show};
-use pointstage_scene::{Camera, Lights, Material, NearClipping, ObjectId, Scene, Warnings};
+use pointstage_scene::{Camera, Lights, Material, NearClipping, Object, ObjectId, Scene, Warnings};
 
 use super::comparison::Comparison;
 use super::navigation::NavigationOptions;
@@ -19,6 +19,8 @@ use crate::camera_path::MotionPath;
 pub(crate) struct Session {
     /// The objects.
     pub(crate) scene: Arc<Scene>,
+    /// The object that was chosen last; see [`active_object`](Self::active_object).
+    pub(crate) active: Option<ObjectId>,
     /// What loading each object gave to say.
     pub(crate) warnings: BTreeMap<ObjectId, Warnings>,
     /// What each view shows; panels, menus and keys act on the active one.
@@ -95,6 +97,7 @@ impl Session {
     pub(crate) fn new(renderer: String) -> Self {
         Self {
             scene: Arc::new(Scene::new()),
+            active: None,
             warnings: BTreeMap::new(),
             panes: Several::one(Pane::new(renderer)),
             comparison: Comparison::default(),
@@ -116,6 +119,19 @@ impl Session {
     /// The values that the active view has for a renderer or structure.
     pub(crate) fn settings_of(&self, renderer: &str) -> SettingValues {
         self.panes.active.settings_of(renderer)
+    }
+
+    /// The object that panels and commands are about: the one that was chosen last, else the first that is selected, else
+    /// the only one.
+    pub(crate) fn active_object(&self) -> Option<&Object> {
+        let objects = self.scene.objects();
+        let chosen = self.active.and_then(|id| self.scene.object(id));
+        let selected = || objects.iter().find(|object| object.selected);
+        let only = match objects {
+            [object] => Some(object),
+            _ => None,
+        };
+        chosen.or_else(selected).or(only)
     }
 
     /// Takes all objects out.

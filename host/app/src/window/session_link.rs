@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{
-    Job, LoadError, Loaded, Loaders, NearClipping, Scene, ViewRecord, load_with,
+    Job, LoadError, Loaded, Loaders, NearClipping, ObjectId, Scene, ViewRecord, load_with,
 };
 
 use super::app::App;
@@ -18,7 +18,7 @@ use super::remembered::{stored_views, views_to_store};
 use super::session::Pane;
 use super::several::{MOST_VIEWS, Several};
 use super::tasks::guarded;
-use crate::session_file::{ComparisonFile, PaneFile, Renderers, SceneFile, SessionFile};
+use crate::session_file::{ComparisonFile, OwnObject, PaneFile, Renderers, SceneFile, SessionFile};
 use crate::toml_form::Look;
 
 /// A session with all of its objects that could be loaded.
@@ -30,6 +30,8 @@ pub(crate) struct OpenedSession {
     pub(crate) file: SessionFile,
     /// Its objects, in order.
     pub(crate) objects: Vec<Loaded>,
+    /// The active one.
+    pub(crate) active: Option<ObjectId>,
     /// Entries without an object.
     pub(crate) absent: Vec<SceneFile>,
     /// Why each of those has none.
@@ -57,6 +59,7 @@ fn read_and_load(path: &Path, loaders: &Loaders, job: &Job) -> Finished {
     let mut opened = OpenedSession {
         path: std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()),
         objects: Vec::new(),
+        active: None,
         absent: Vec::new(),
         complaints: Vec::new(),
         file,
@@ -77,6 +80,9 @@ fn read_and_load(path: &Path, loaders: &Loaders, job: &Job) -> Finished {
         match load_with(loaders, &entry.file, &entry.load_options(), job) {
             Ok(mut loaded) => {
                 entry.dress(&mut loaded.object);
+                if entry.active {
+                    opened.active = Some(loaded.object.id);
+                }
                 opened.objects.push(loaded);
             }
             Err(LoadError::Cancelled(_)) => return Finished::Cancelled(path.display().to_string()),
@@ -97,6 +103,7 @@ impl App {
             path,
             file,
             objects,
+            active,
             absent,
             complaints,
         } = opened;
@@ -112,6 +119,7 @@ impl App {
             let session = &mut self.session;
             let _: Arrival = arrive(session, &mut self.shown_batch, loaded, place, &mut self.log);
         }
+        self.session.active = active;
         let SessionFile {
             view,
             renderers,
@@ -183,7 +191,34 @@ impl App {
         }
     }
 
-    /// The session as a file holds it.
+    /// The session as a file at `path` holds it, and the objects whose surfels are to be written beside it.
+    pub(super) fn session_to_save(&self, path: &Path) -> (SessionFile, Vec<OwnObject>) {
+        let mut file = self.session_file();
+        let objects = self.session.scene.objects();
+        let places = self.remembered.own_files.places(objects, path);
+        let active = self.session.active_object().map(|object| object.id);
+        let entries = objects.iter().filter_map(|object| {
+            let entry = match places.get(&object.id.0) {
+                Some(file) => SceneFile::of_own(object, file.clone()),
+                None => SceneFile::of(object, self.session.warnings.get(&object.id))?,
+            };
+            Some(SceneFile {
+                active: active == Some(object.id),
+                ..entry
+            })
+        });
+        file.scene = entries.collect();
+        file.scene.extend(self.remembered.absent.iter().cloned());
+        let own = objects.iter().filter_map(|object| {
+            Some(OwnObject {
+                object: object.clone(),
+                file: places.get(&object.id.0)?.clone(),
+            })
+        });
+        (file, own.collect())
+    }
+
+    /// The session as a file holds it, without objects that no file holds.
     pub(super) fn session_file(&self) -> SessionFile {
         let Self {
             session,

@@ -1,4 +1,4 @@
-//! The *Edit* menu: undo, redo, resets, and the selection.
+//! The *Edit* menu: undo, redo, resets, the selection, and what is done with selected objects.
 
 use egui::{Key, Modifiers};
 
@@ -75,7 +75,35 @@ fn selection(app: &App) -> Vec<Action> {
     let is_empty = objects.is_empty().then(|| "The scene is empty.".to_owned());
     let is_any_selected = objects.iter().any(|object| object.selected);
     let none = (!is_any_selected).then(|| "No object is selected.".to_owned());
+    let unselected = || {
+        let none = !is_any_selected;
+        none.then(|| "No object is selected: click on its name in the Scene tab.".to_owned())
+    };
+    let are_several = objects.iter().filter(|object| object.selected).count() > 1;
+    let alone =
+        (!are_several).then(|| "Two objects or more have to be selected to be merged.".to_owned());
     vec![
+        Action::new(
+            "edit.duplicate_objects",
+            "Duplicate selected objects",
+            place,
+            SceneIntent::Duplicate,
+        )
+        .unless(unselected()),
+        Action::new(
+            "edit.merge_objects",
+            "Merge selected objects",
+            place,
+            SceneIntent::Merge,
+        )
+        .unless(alone),
+        Action::new(
+            "edit.remove_objects",
+            "Remove selected objects",
+            place,
+            SceneIntent::RemoveSelected,
+        )
+        .unless(unselected()),
         Action::new(
             "edit.select_all",
             "Select all objects",

@@ -137,18 +137,11 @@ impl App {
             self.path_field = Some(PathField::replace(&path));
             return;
         }
-        let without_file = self.session.scene.objects().iter();
-        let without_file = without_file
-            .filter(|object| object.source.is_none())
-            .count();
-        if without_file > 0 {
-            let text = format!(
-                "{without_file} of the objects came from no file: the session does not hold them."
-            );
-            self.log.say(Severity::Warning, text, Instant::now());
-        }
-        let session = self.session_file();
+        let (session, own) = self.session_to_save(&path);
+        let files = self.remembered.own_files.clone();
         self.remembered.errands.save(path, move |path| {
+            // First what the session names.
+            own.iter().try_for_each(|own| files.write(own))?;
             session.write(path).map_err(|error| error.to_string())
         });
     }

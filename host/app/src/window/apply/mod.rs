@@ -7,6 +7,7 @@ mod export;
 mod file;
 mod inspect;
 mod light;
+mod objects;
 mod path;
 mod plugins;
 mod renderer;

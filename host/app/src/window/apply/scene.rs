@@ -19,21 +19,37 @@ impl App {
                 self.session
                     .edit_scene(|scene| scene.edit(id, |object| object.visible = visible));
             }
-            SceneIntent::Select(id) => self.select(|object| object.id == id),
+            SceneIntent::RemoveSelected => {
+                let ids = self.selected_objects();
+                self.remove_objects(&ids);
+            }
+            SceneIntent::Duplicate => self.duplicate_selected(),
+            SceneIntent::Merge => self.merge_selected(),
+            SceneIntent::Rename(id, name) => self.edit_object(id, |object| object.name = name),
+            SceneIntent::SetTransform(id, map) => {
+                self.edit_object(id, |object| object.world_from_object = map);
+            }
+            SceneIntent::SetRadiusScale(id, scale) => {
+                self.edit_object(id, |object| object.radius_scale = scale);
+            }
+            SceneIntent::Select(id) => {
+                self.session.active = Some(id);
+                self.select(|object| object.id == id);
+            }
             SceneIntent::ToggleSelected(id) => {
                 self.select(|object| object.selected != (object.id == id));
+                let object = self.session.scene.object(id);
+                let is_selected = object.is_some_and(|object| object.selected);
+                self.session.active = is_selected.then_some(id);
             }
             SceneIntent::SelectAll => self.select(|_| true),
             SceneIntent::SelectNone => self.select(|_| false),
-            SceneIntent::Remove(id) => {
-                self.session.edit_scene(|scene| scene.remove(id));
-                self.session.warnings.remove(&id);
-            }
+            SceneIntent::Remove(id) => self.remove_objects(&[id]),
         }
     }
 
     /// Selects just the objects of which `is_selected` says yes.
-    fn select(&mut self, is_selected: impl Fn(&Object) -> bool) {
+    pub(super) fn select(&mut self, is_selected: impl Fn(&Object) -> bool) {
         let objects = self.session.scene.objects().iter();
         let changed: Vec<ObjectId> = objects
             .filter(|object| is_selected(object) != object.selected)

@@ -1,9 +1,10 @@
 //! Intents about the objects.
 
+use glam::DAffine3;
 use pointstage_scene::ObjectId;
 
 /// What to do with objects.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum SceneIntent {
     /// Estimate normals and radii of every object that lacks them.
     Estimate,
@@ -13,6 +14,18 @@ pub(crate) enum SceneIntent {
     SetVisible(ObjectId, bool),
     /// Take an object out of the scene.
     Remove(ObjectId),
+    /// Take the selected objects out of the scene.
+    RemoveSelected,
+    /// Copy the selected objects.
+    Duplicate,
+    /// Make the selected objects one.
+    Merge,
+    /// Call an object this.
+    Rename(ObjectId, String),
+    /// Let an object stand there: its map into the world.
+    SetTransform(ObjectId, DAffine3),
+    /// Draw an object's surfels with their radii times this factor.
+    SetRadiusScale(ObjectId, f32),
     /// Select this object alone.
     Select(ObjectId),
     /// Add this object to the selection, or take it out.

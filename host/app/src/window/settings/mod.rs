@@ -7,6 +7,7 @@ pub(super) mod camera;
 pub(super) mod compare;
 pub(super) mod lighting;
 mod material;
+mod objects;
 pub(super) mod pacing;
 pub(super) mod plugins;
 mod presets;

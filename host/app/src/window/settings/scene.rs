@@ -1,23 +1,36 @@
-//! The *Scene* tab: the objects, what is in them, and what loading them gave to say.
+//! The *Scene* tab: the objects, what is in them, what loading them gave to say, and what can be done with them.
 
 use std::collections::BTreeMap;
 
 use egui::Ui;
 use pointstage_engine::stage::Severity;
-use pointstage_scene::{Object, ObjectId, Scene, WarningKind, Warnings};
+use pointstage_scene::{Material, Object, ObjectId, Scene, WarningKind, Warnings};
 
+use super::material::material_ui;
+use super::objects;
 use crate::window::intent::{Intents, SceneIntent};
 use crate::window::status::grouped;
 use crate::window::theme;
 
+/// What the tab shows.
+pub(crate) struct SceneTab<'a> {
+    /// The objects.
+    pub(crate) scene: &'a Scene,
+    /// What loading each gave to say.
+    pub(crate) warnings: &'a BTreeMap<ObjectId, Warnings>,
+    /// The one that the form is about.
+    pub(crate) active: Option<&'a Object>,
+    /// The material of objects to come.
+    pub(crate) material: Material,
+}
+
 /// The tab.
-pub(crate) fn scene_ui(
-    ui: &mut Ui,
-    scene: &Scene,
-    warnings: &BTreeMap<ObjectId, Warnings>,
-    out: &mut Intents,
-) {
+pub(crate) fn scene_ui(ui: &mut Ui, tab: &SceneTab<'_>, out: &mut Intents) {
+    let SceneTab {
+        scene, warnings, ..
+    } = tab;
     super::tab_ui(ui, |ui| {
+        objects::buttons_ui(ui, scene, out);
         if scene.objects().is_empty() {
             ui.weak("The scene is empty.");
         } else {
@@ -29,6 +42,11 @@ pub(crate) fn scene_ui(
                 ui.separator();
             });
         }
+        if let Some(active) = tab.active {
+            objects::active_ui(ui, active, out);
+            ui.separator();
+            material_ui(ui, scene, tab.material, out);
+        }
     });
 }
 
@@ -37,7 +55,7 @@ fn selection_ui(ui: &mut Ui, scene: &Scene, out: &mut Intents) {
     let selected = scene.objects().iter().filter(|object| object.selected);
     ui.horizontal_wrapped(|ui| match selected.count() {
         0 => {
-            ui.weak("A click on a name selects the object: F frames it, and the material applies to it. Ctrl+click adds.");
+            ui.weak("A click on a name selects the object and makes it the active one: F frames it, and the material applies to it. Ctrl+click adds.");
         }
         count => {
             let objects = if count == 1 { "object" } else { "objects" };

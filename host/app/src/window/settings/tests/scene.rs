@@ -3,13 +3,13 @@ use std::sync::Arc;
 
 use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
-use glam::DVec3;
-use pointstage_scene::{Block, Geometry, Object, ObjectId, Origins, Scene};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use glam::{DAffine3, DVec3};
+use pointstage_scene::{Block, Geometry, Material, Object, ObjectId, Origins, Scene};
 
-use super::super::scene::scene_ui;
+use super::super::scene::{SceneTab, scene_ui};
 use super::{asking, assert_asked};
-use crate::window::intent::{Intents, SceneIntent};
+use crate::window::intent::{Intent, Intents, SceneIntent};
 
 fn scene() -> (Scene, [ObjectId; 2]) {
     let mut scene = Scene::new();
@@ -25,7 +25,101 @@ fn scene() -> (Scene, [ObjectId; 2]) {
 }
 
 fn tab(scene: Scene) -> Harness<'static, Intents> {
-    asking(move |ui, asked| scene_ui(ui, &scene, &BTreeMap::new(), asked))
+    tab_of(scene, None)
+}
+
+/// The tab with an active object.
+fn tab_of(scene: Scene, active: Option<ObjectId>) -> Harness<'static, Intents> {
+    asking(move |ui, asked| {
+        let tab = SceneTab {
+            scene: &scene,
+            warnings: &BTreeMap::new(),
+            active: active.and_then(|id| scene.object(id)),
+            material: Material::default(),
+        };
+        scene_ui(ui, &tab, asked);
+    })
+}
+
+#[test]
+fn what_can_be_done_depends_on_how_many_are_selected() {
+    let (mut scene, [bust, floor]) = scene();
+    for (selected, enabled) in [
+        (vec![], [false, false, false]),
+        (vec![bust], [true, false, true]),
+        (vec![bust, floor], [true, true, true]),
+    ] {
+        for id in selected {
+            scene.edit(id, |object| object.selected = true);
+        }
+        let harness = tab(scene.clone());
+        let is_enabled = |name: &str| {
+            let button = harness.get_by_role_and_label(Role::Button, name);
+            !button.accesskit_node().is_disabled()
+        };
+        let found = ["Duplicate", "Merge", "Remove selected"].map(is_enabled);
+        assert_eq!(found, enabled);
+    }
+    let mut harness = tab(scene);
+    harness.get_by_role_and_label(Role::Button, "Merge").click();
+    harness.run();
+    assert_asked(&harness, SceneIntent::Merge);
+}
+
+#[test]
+fn the_active_object_s_name_is_typed() {
+    let (scene, [bust, _]) = scene();
+    let mut harness = tab_of(scene, Some(bust));
+    harness
+        .get_by_role_and_label(Role::TextInput, "Name")
+        .focus();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::TextInput, "Name")
+        .type_text(" of Ada");
+    harness.run();
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    assert_asked(
+        &harness,
+        SceneIntent::Rename(bust, "bust of Ada".to_owned()),
+    );
+}
+
+#[test]
+fn the_active_object_is_turned_by_a_typed_angle_and_reset() {
+    let (mut scene, [bust, _]) = scene();
+    let mut harness = tab_of(scene.clone(), Some(bust));
+    harness
+        .get_by_role_and_label(Role::SpinButton, "Turn z")
+        .set_value_accesskit(90.0);
+    harness.run();
+    let expected = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2);
+    let asked: &[Intent] = harness.state();
+    let [Intent::Scene(SceneIntent::SetTransform(id, map))] = asked else {
+        panic!("{asked:?}")
+    };
+    assert!(*id == bust && map.abs_diff_eq(expected, 1e-12), "{map:?}");
+
+    scene.edit(bust, |object| object.world_from_object = expected);
+    let mut harness = tab_of(scene, Some(bust));
+    harness.get_by_label("Reset place").click();
+    harness.run();
+    assert_asked(
+        &harness,
+        SceneIntent::SetTransform(bust, DAffine3::IDENTITY),
+    );
+}
+
+#[test]
+fn a_stretched_object_has_no_numbers_but_can_be_reset() {
+    let (mut scene, [bust, _]) = scene();
+    scene.edit(bust, |object| {
+        object.world_from_object = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
+    });
+    let harness = tab_of(scene, Some(bust));
+    assert!(harness.query_by_label("Turn z").is_none());
+    harness.get_by_label("Reset place");
 }
 
 #[test]
