@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
 use pointstage_engine::stage::{FALLBACK_ID, FrameRequest, FrameResult, Stage};
-use pointstage_scene::{Geometry, Object, Origins, Scene};
+use pointstage_plugin_api::columns::NO_NORMAL;
+use pointstage_scene::{Geometry, Object, Scene};
 use pointstage_tests::models::{Surfel, ball, disks, object};
 use pointstage_tests::sharp::{plate, scene};
 use pointstage_tests::shots::{
@@ -16,13 +17,17 @@ const EYE: DVec3 = DVec3::new(0.0, 0.0, 3.5);
 /// A power of two, so that it makes no difference when it is multiplied with what.
 const SCALE: f32 = 2.0;
 
-/// The same object without normals.
+/// The same object, with no surfel's normal known.
 fn without_normals(mut object: Object) -> Object {
-    let mut blocks = object.geometry.blocks.clone();
+    let Geometry {
+        mut blocks,
+        origins,
+        ..
+    } = (*object.geometry).clone();
     for block in &mut blocks {
-        (block.normal, block.axes) = (None, None);
+        block.normal = Some(vec![NO_NORMAL; block.len()].into());
     }
-    object.geometry = Arc::new(Geometry::new(blocks, None, Origins::default()));
+    object.geometry = Arc::new(Geometry::new(blocks, None, origins));
     object
 }
 

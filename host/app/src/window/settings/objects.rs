@@ -75,7 +75,7 @@ fn name_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
         "Name",
         "Enter takes what was typed, Escape does not",
         |ui| {
-            let id = egui::Id::new(("name of object", object.id.0));
+            let id = egui::Id::unique(("name of object", object.id.0));
             let typed: Option<String> = ui.data(|data| data.get_temp(id));
             let mut name = typed.unwrap_or_else(|| object.name.clone());
             let field = ui.add(TextEdit::singleline(&mut name));
@@ -96,7 +96,7 @@ fn name_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
 /// Where the object stands. Angles stay as they were typed: many angles make the same turn.
 fn placement_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
     let pivot = object.pivot();
-    let id = egui::Id::new(("placement of object", object.id.0));
+    let id = egui::Id::unique(("placement of object", object.id.0));
     let typed: Option<Placement> = ui.data(|data| data.get_temp(id));
     let typed = typed.filter(|typed| typed.world_from_object(pivot) == object.world_from_object);
     let shown = typed.or_else(|| Placement::of(&object.world_from_object, pivot));
