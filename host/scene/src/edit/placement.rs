@@ -46,7 +46,8 @@ impl Placement {
             .to_euler(EulerRot::XYZ);
         Some(Self {
             translation: world_from_object.transform_point3(pivot) - pivot,
-            rotation_degrees: DVec3::new(x, y, z).map(f64::to_degrees),
+            // Adding 0 leaves no −0, which people would see.
+            rotation_degrees: DVec3::new(x, y, z).map(f64::to_degrees) + 0.0,
             scale,
         })
     }
