@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DAffine3;
-use pointstage_scene::{Object, Revision, save_ply};
+use pointstage_scene::{Job, Object, PlyEncoding, Revision, SaveFormat, save};
 
 use super::SUFFIX;
 
@@ -89,12 +89,14 @@ impl OwnFiles {
                 )
             })?;
         }
-        // The session holds where it stands.
+        // The session holds where it stands, and its radius scale.
         let in_place = Object {
             world_from_object: DAffine3::IDENTITY,
+            radius_scale: 1.0,
             ..object.clone()
         };
-        save_ply(&in_place, file).map_err(|error| error.to_string())?;
+        let format = SaveFormat::Ply(PlyEncoding::default());
+        save(&in_place, file, format, &Job::new()).map_err(|error| error.to_string())?;
         self.lock().insert(file.clone(), revision);
         Ok(())
     }

@@ -88,16 +88,21 @@ fn an_object_whose_file_was_written_anew_is_not_in_it_any_more() {
 }
 
 #[test]
-fn where_it_stands_is_left_to_the_session() {
+fn where_it_stands_and_its_radius_scale_are_left_to_the_session() {
     let (_kept, folder) = folder();
     let file = folder.join("a.ply");
     let mut object = object("a", 1.0);
     object.world_from_object = DAffine3::from_translation(DVec3::X);
+    object.radius_scale = 4.0;
+    let geometry = Arc::make_mut(&mut object.geometry);
+    geometry.origins.radii = pointstage_scene::Provenance::FromFile;
     let files = OwnFiles::default();
     let own = OwnObject {
         object,
         file: file.clone(),
     };
     files.write(&own).expect("written");
-    assert_eq!(x_in(&file), 1.0);
+    let loaded = load(&file, &LoadOptions::default(), &Job::new()).expect("it can be read");
+    let blocks = &loaded.object.geometry.blocks;
+    assert_eq!(*blocks[0].position_radius, [[1.0, 0.0, 0.0, 0.5]]);
 }

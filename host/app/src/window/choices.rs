@@ -341,6 +341,13 @@ pub(crate) fn in_words(fields: &[Field], rows: &Rows) -> String {
     let Some(first) = fields.first() else {
         return String::new();
     };
+    // Objects that come are selected.
+    let objects = fields
+        .iter()
+        .find(|field| matches!(field, Field::Objects(_)));
+    if let Some(objects) = objects {
+        return name_of(objects, rows);
+    }
     let name = name_of(first, rows);
     // A preset that was chosen brings its values; a renderer brings nothing else.
     if fields.len() == 1 || matches!(first, Field::Presets(_)) {

@@ -48,7 +48,10 @@ pub(super) fn buttons_ui(ui: &mut Ui, scene: &Scene, out: &mut Intents) {
 /// Name, place and radius scale of the active object.
 pub(super) fn active_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
     ui.push_id(("active object", object.id.0), |ui| {
-        ui.strong("Active object");
+        ui.horizontal(|ui| {
+            ui.strong("Active object");
+            placement_reset_ui(ui, object, out);
+        });
         name_ui(ui, object, out);
         placement_ui(ui, object, out);
         super::row(
@@ -101,8 +104,7 @@ fn placement_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
     let typed = typed.filter(|typed| typed.world_from_object(pivot) == object.world_from_object);
     let shown = typed.or_else(|| Placement::of(&object.world_from_object, pivot));
     let Some(shown) = shown else {
-        ui.weak("Its transform shears, mirrors or stretches it; 'reset' takes it back to where its file puts it.");
-        placement_reset_ui(ui, object, out);
+        ui.weak("Its transform shears, mirrors or stretches it; 'reset place' takes it back to where its file puts it.");
         return;
     };
     let mut edited = shown;
@@ -140,7 +142,6 @@ fn placement_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
             factor_ui(ui, &mut edited.scale);
         },
     );
-    placement_reset_ui(ui, object, out);
     if edited != shown && edited.is_valid() {
         ui.data_mut(|data| data.insert_temp(id, edited));
         let map = edited.world_from_object(pivot);
@@ -149,7 +150,12 @@ fn placement_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
 }
 
 fn placement_reset_ui(ui: &mut Ui, object: &Object, out: &mut Intents) {
-    if object.world_from_object != object.placed && reset_ui(ui, "Reset place") {
+    if object.world_from_object == object.placed {
+        return;
+    }
+    let reset = ui.small_button("reset place");
+    let reset = reset.on_hover_text("Takes it back to where its file puts it");
+    if reset.accessible_name("Reset place").clicked() {
         out.push(SceneIntent::SetTransform(object.id, object.placed));
     }
 }
