@@ -103,6 +103,6 @@ fn where_it_stands_and_its_radius_scale_are_left_to_the_session() {
     };
     files.write(&own).expect("written");
     let loaded = load(&file, &LoadOptions::default(), &Job::new()).expect("it can be read");
-    let blocks = &loaded.object.geometry.blocks;
-    assert_eq!(*blocks[0].position_radius, [[1.0, 0.0, 0.0, 0.5]]);
+    let [.., radius] = loaded.object.geometry.blocks[0].position_radius[0];
+    assert_eq!((x_in(&file), radius), (1.0, 0.5));
 }
