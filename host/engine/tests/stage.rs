@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3};
 use pointstage_engine::plugins::DiscoverOptions;
 use pointstage_engine::stage::{
-    FALLBACK_ID, FrameError, FrameRequest, Patience, Stage, StageOptions,
+    FALLBACK_ID, FrameError, FrameRequest, Patience, Show, Stage, StageOptions,
 };
 use pointstage_plugin_api::columns;
-use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Scene};
+use pointstage_scene::{Block, Camera, Geometry, Marks, Object, Origins, Scene};
 use std::sync::Arc;
 
 fn no_plugins(use_device: bool) -> StageOptions {
@@ -147,4 +147,54 @@ fn the_session_goes_on_after_the_device_is_lost() {
     );
     let generation = stage.device().expect("a new device").generation;
     assert_ne!(generation, device.generation);
+}
+
+#[test]
+fn marked_surfels_are_tinted_where_that_is_asked_for() {
+    let mut stage = Stage::new(no_plugins(false)).unwrap();
+    let clean = request(FALLBACK_ID);
+    let mut scene = Scene::clone(&clean.scene);
+    let id = scene.objects()[0].id;
+    // The left half of the sheet.
+    let marks = Marks::from_fn(400, |surfel| surfel % 20 < 10);
+    scene.set_marks(id, Some(Arc::new(marks)));
+    let marked = FrameRequest {
+        scene: Arc::new(scene),
+        ..clean.clone()
+    };
+    let plain = stage.frame(&clean).unwrap();
+    let not_shown = stage.frame(&marked).unwrap();
+    assert_eq!(not_shown.picture, plain.picture, "pictures are clean");
+    let asked = FrameRequest {
+        shows_marks: true,
+        read_back: Vec::new(),
+        ..marked.clone()
+    };
+    let shown = stage.frame(&asked).unwrap();
+    assert!(shown.planes.is_empty(), "ids were not asked for");
+    let pixels = shown
+        .picture
+        .rgba
+        .chunks(4)
+        .zip(plain.picture.rgba.chunks(4));
+    let mut counts = [0, 0];
+    for (index, (shown, plain)) in pixels.enumerate() {
+        let is_left = index % 64 < 32;
+        if plain[3] == 0 || index % 64 == 31 || index % 64 == 32 {
+            continue;
+        }
+        assert_eq!(shown != plain, is_left, "pixel {index}");
+        counts[usize::from(is_left)] += 1;
+    }
+    assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
+    let normals = FrameRequest {
+        show: Show::Target("normal".into()),
+        ..asked
+    };
+    let plain = FrameRequest {
+        shows_marks: false,
+        ..normals.clone()
+    };
+    let [normals, plain] = [normals, plain].map(|asked| stage.frame(&asked).unwrap().picture);
+    assert_eq!(normals, plain, "the colours of a target are values");
 }

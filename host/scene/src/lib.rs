@@ -1,7 +1,8 @@
 //! What Pointstage shows: objects made of surfel columns, the camera that looks at them and the lights that light them.
 //!
 //! Data passes through once. [`load()`] reads a file into an [`Object`] whose [`Geometry`] is blocks of columns behind
-//! [`Arc`](std::sync::Arc); [`estimate`] fills in normals and radii where the file had none; a [`Scene`] holds the objects.
+//! [`Arc`](std::sync::Arc); [`estimate`] fills in normals and radii where the file had none; [`edit`] finds surfels and takes them
+//! out; a [`Scene`] holds the objects.
 //! A scene is cheap to clone: render threads get a copy that shares every column, and [`Changes`] tells what differs
 //! between two copies. Nothing here knows of a GPU, a window or a plugin.
 //!
@@ -11,13 +12,14 @@
 mod bounds;
 mod camera;
 mod changes;
-mod edit;
+pub mod edit;
 pub mod estimate;
 mod geometry;
 mod job;
 mod light;
 mod light_by_hand;
 mod load;
+mod marks;
 mod moved;
 mod save;
 mod scene;
@@ -39,6 +41,7 @@ pub use load::{
     Loaders, ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError,
     UnknownLoader, Winding, load, load_with,
 };
+pub use marks::{MarkMode, Marks};
 pub use save::{PlyEncoding, SaveError, SaveFormat, save, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use warnings::{Warning, WarningKind, Warnings};

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::bounds::Bounds;
 use crate::geometry::Geometry;
 use crate::load::LoaderChoice;
+use crate::marks::Marks;
 
 /// State of a thing; two states with the same revision are the same. Later states have greater revisions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,6 +25,7 @@ pub struct ObjectId(pub u64);
 pub struct Scene {
     objects: Vec<Object>,
     revision: Revision,
+    marks_revision: Revision,
 }
 
 /// One thing in the scene.
@@ -56,7 +58,9 @@ pub struct Object {
     pub geometry: Arc<Geometry>,
     /// The revision of the surfels that its file gave; see [`is_as_in_file`](Self::is_as_in_file).
     pub loaded: Option<Revision>,
-    /// Changes with every change of the above through [`Scene::edit`].
+    /// Which surfels the user has marked; see [`Object::marked`]. No renderer sees it, so it has no part in the revisions.
+    pub marks: Option<Arc<Marks>>,
+    /// Changes with every change of the above but `marks` through [`Scene::edit`].
     pub revision: Revision,
 }
 
@@ -122,6 +126,7 @@ impl Object {
             selected: false,
             loaded: None,
             geometry: Arc::new(geometry),
+            marks: None,
             revision: Revision::next(),
         }
     }
@@ -155,6 +160,12 @@ impl Object {
             && Arc::ptr_eq(&self.geometry, &other.geometry)
     }
 
+    /// The marked surfels, if any is: marks of a geometry that the object no longer has do not count.
+    pub fn marked(&self) -> Option<&Arc<Marks>> {
+        let marks = self.marks.as_ref()?;
+        (!marks.is_empty() && marks.len() == self.geometry.surfel_count).then_some(marks)
+    }
+
     /// Box around the object in the world.
     pub fn bounds_world(&self) -> Bounds {
         self.geometry.bounds.transformed(&self.world_from_local())
@@ -170,6 +181,31 @@ impl Scene {
     /// State of the whole: changes when any object does.
     pub fn revision(&self) -> Revision {
         self.revision
+    }
+
+    /// State of all marks: changes when any object's do through [`set_marks`](Self::set_marks).
+    pub fn marks_revision(&self) -> Revision {
+        self.marks_revision
+    }
+
+    /// Marks surfels of an object, or none; what renderers have prepared of the scene stays good. True if it changes anything.
+    pub fn set_marks(&mut self, id: ObjectId, marks: Option<Arc<Marks>>) -> bool {
+        let Some(object) = self.objects.iter_mut().find(|object| object.id == id) else {
+            return false;
+        };
+        let marks = marks.filter(|marks| !marks.is_empty());
+        if object.marks == marks {
+            return false;
+        }
+        object.marks = marks;
+        self.marks_revision = Revision::next();
+        true
+    }
+
+    /// Marked surfels of all objects.
+    pub fn marked_count(&self) -> usize {
+        let marked = self.objects.iter().filter_map(Object::marked);
+        marked.map(|marks| marks.count()).sum()
     }
 
     /// The objects, in the order in which they were added.
@@ -212,32 +248,44 @@ impl Scene {
         Some(answer)
     }
 
-    /// Puts the objects of `then`, in their order, in the place of these: undo and redo. Those that differ take new
-    /// revisions, since a later state has greater ones.
+    /// Puts the objects of `then`, in their order and with their marks, in the place of these: undo and redo. Those that differ
+    /// take new revisions, since a later state has greater ones.
     pub fn turn_to(&mut self, then: &Self) {
-        if self.revision == then.revision {
-            return;
+        let looks_same = self.looks_like(then);
+        if self.marks_revision != then.marks_revision {
+            self.marks_revision = Revision::next();
         }
         let objects = then.objects.iter().map(|object| {
             let now = self.object(object.id).filter(|now| now.is_like(object));
-            now.cloned().unwrap_or_else(|| Object {
-                revision: Revision::next(),
+            Object {
+                revision: now.map_or_else(Revision::next, |now| now.revision),
                 ..object.clone()
-            })
+            }
         });
         self.objects = objects.collect();
-        self.revision = Revision::next();
+        if !looks_same {
+            self.revision = Revision::next();
+        }
     }
 
-    /// Whether both have the same objects in the same order, whatever their revisions.
+    /// Whether both have the same objects in the same order with the same marks, whatever their revisions.
     pub fn is_like(&self, other: &Self) -> bool {
+        let pairs = self.objects.iter().zip(&other.objects);
+        let is_unchanged =
+            (self.revision, self.marks_revision) == (other.revision, other.marks_revision);
+        is_unchanged
+            || (self.looks_like(other)
+                && pairs
+                    .into_iter()
+                    .all(|(one, other)| one.marks == other.marks))
+    }
+
+    /// The same without a look at marks.
+    fn looks_like(&self, other: &Self) -> bool {
+        let mut pairs = self.objects.iter().zip(&other.objects);
         self.revision == other.revision
             || (self.objects.len() == other.objects.len()
-                && self
-                    .objects
-                    .iter()
-                    .zip(&other.objects)
-                    .all(|(one, other)| one.is_like(other)))
+                && pairs.all(|(one, other)| one.is_like(other)))
     }
 
     /// Box around all visible objects, in the world.
@@ -315,6 +363,50 @@ mod tests {
         let id = scene.add(point_at(1.0));
         scene.edit(id, |object| object.visible = false);
         assert!(scene.bounds_world().is_empty());
+    }
+
+    #[test]
+    fn marks_change_nothing_that_a_renderer_sees() {
+        let mut scene = Scene::new();
+        let id = scene.add(point_at(1.0));
+        let before = scene.clone();
+        assert!(scene.set_marks(id, Some(Arc::new(Marks::all(1)))));
+        assert!(
+            !scene.set_marks(id, Some(Arc::new(Marks::all(1)))),
+            "the same"
+        );
+        assert_eq!(scene.revision(), before.revision());
+        assert_eq!(scene.objects()[0].revision, before.objects()[0].revision);
+        assert!(scene.marks_revision() > before.marks_revision());
+        assert_eq!((before.marked_count(), scene.marked_count()), (0, 1));
+        assert!(scene.set_marks(id, Some(Arc::new(Marks::none(1)))));
+        assert!(scene.objects()[0].marks.is_none(), "no marks are none");
+        assert!(!scene.set_marks(ObjectId(u64::MAX), None));
+    }
+
+    #[test]
+    fn marks_come_back_and_prepare_nothing_anew() {
+        let mut scene = Scene::new();
+        let id = scene.add(point_at(1.0));
+        let then = scene.clone();
+        scene.set_marks(id, Some(Arc::new(Marks::all(1))));
+        let (revision, marks_revision) = (scene.revision(), scene.marks_revision());
+        assert!(!scene.is_like(&then));
+        scene.turn_to(&then);
+        assert!(scene.is_like(&then) && scene.marked_count() == 0);
+        assert_eq!(scene.revision(), revision);
+        assert!(scene.marks_revision() > marks_revision);
+    }
+
+    #[test]
+    fn marks_of_another_geometry_do_not_count() {
+        let mut scene = Scene::new();
+        let id = scene.add(point_at(1.0));
+        scene.set_marks(id, Some(Arc::new(Marks::all(7))));
+        assert_eq!(
+            (scene.objects()[0].marked(), scene.marked_count()),
+            (None, 0)
+        );
     }
 
     #[test]

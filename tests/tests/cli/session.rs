@@ -78,6 +78,34 @@ fn a_session_draws_what_the_same_options_draw() -> Result<()> {
 }
 
 #[test]
+fn selected_surfels_are_tinted_where_that_is_asked_for() -> Result<()> {
+    let shell = Shell::with_session(&format!("{SPHERE}selected_surfels = \"0 100\"\n"))?;
+    let session = "--session sessions/a.pointstage.toml";
+    let (clean, _) = shell.draw(session)?;
+    let plain = Shell::with_session(SPHERE)?;
+    let (expected, _) = plain.draw(session)?;
+    assert!(clean == expected, "pictures are without the tint");
+    let (tinted, _) = shell.draw(&format!("{session} --show-selection"))?;
+    let pixels = tinted.pixels().zip(clean.pixels());
+    let changed = pixels.filter(|(tinted, clean)| tinted != clean).count();
+    assert!(changed > 20, "{changed} pixels are tinted");
+    // The picture is made of what it shows.
+    std::fs::copy(
+        shell.folder().join("picture.png"),
+        shell.folder().join("tinted.png"),
+    )?;
+    let (again, _) = shell.draw("--session tinted.png --show-selection")?;
+    assert!(again == tinted, "the picture's own session differs");
+
+    let wrong = Shell::with_session(&format!("{SPHERE}selected_surfels = \"0 x\"\n"))?;
+    wrong.assert_fails(
+        1,
+        &format!("render {session} --no-device --out b.png"),
+        &["lengths of runs", "found 'x'"],
+    )
+}
+
+#[test]
 fn scene_files_are_found_beside_the_session_wherever_the_shell_stands() -> Result<()> {
     let shell = Shell::with_session(SPHERE)?;
     let (expected, _) = shell.draw("--session sessions/a.pointstage.toml")?;

@@ -29,6 +29,7 @@ fn each_step_of_the_guide_leads_where_it_says() -> Result<()> {
     welcome(&mut desk)?;
     renderer(&mut desk)?;
     inspector(&mut desk)?;
+    selecting(&mut desk)?;
     tabs(&mut desk)?;
     views(&mut desk)?;
     targets(&mut desk)?;
@@ -151,6 +152,22 @@ fn inspector(desk: &mut Desk) -> Result<()> {
     rest(desk, "no inspector", |state| {
         state.session("pinned").is_null() && !state.shows("Point at a surface")
     })
+}
+
+fn selecting(desk: &mut Desk) -> Result<()> {
+    let selected = |state: &State| state.session("surfels_selected").as_u64();
+    desk.window.press_keys("r")?;
+    rest(desk, "the tool", |state| {
+        state.session("tool") == "rectangle"
+    })?;
+    let (x, y) = ON_THE_SNAKE;
+    desk.window.throw((x - 150, y - 130), (x + 60, y + 80))?;
+    rest(desk, "selected surfels", |state| selected(state) > Some(0))?;
+    picture(desk, "selecting")?;
+    desk.window.press_keys("ctrl+d")?;
+    rest(desk, "none selected", |state| selected(state) == Some(0))?;
+    desk.window.press_keys("Escape")?;
+    rest(desk, "no tool", |state| state.session("tool") == "navigate")
 }
 
 fn tabs(desk: &mut Desk) -> Result<()> {

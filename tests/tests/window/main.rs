@@ -9,6 +9,7 @@ mod panel;
 mod plugins;
 mod resize;
 mod save;
+mod selecting;
 mod session;
 mod walk;
 

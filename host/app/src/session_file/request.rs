@@ -6,7 +6,7 @@ use pointstage_engine::stage::FrameRequest;
 use pointstage_scene::{ObjectId, ViewRecord, Warnings};
 
 use super::{SceneFile, SessionFile};
-use crate::toml_form::Look;
+use crate::toml_form::{Look, MarkRuns};
 
 impl SessionFile {
     /// The session that draws what `request` asks for. `warnings` are what loading each object gave; objects that came
@@ -22,6 +22,12 @@ impl SessionFile {
             .filter(|object| object.loaded.is_none() || object.is_as_in_file())
             .filter_map(|object| SceneFile::of(object, warnings.get(&object.id)))
             .collect();
+        if !request.shows_marks {
+            // A picture that does not show them is not made of them.
+            for entry in &mut session.scene {
+                entry.selected_surfels = MarkRuns::default();
+            }
+        }
         session.look = Look {
             show: request.show.clone(),
             background: request.background,

@@ -12,7 +12,7 @@ use pointstage_scene::{
 use serde::{Deserialize, Serialize};
 
 use super::own_objects::is_own;
-use crate::toml_form;
+use crate::toml_form::{self, MarkRuns};
 
 /// An object as a session keeps it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,6 +55,9 @@ pub(crate) struct SceneFile {
     /// Of such a file, whether its normals have no outside, since they were estimated.
     #[serde(default, skip_serializing_if = "is_no")]
     pub(crate) two_sided: bool,
+    /// Which of its surfels are selected.
+    #[serde(default, skip_serializing_if = "MarkRuns::is_empty")]
+    pub(crate) selected_surfels: MarkRuns,
 }
 
 fn one() -> f32 {
@@ -90,6 +93,7 @@ impl SceneFile {
             active: false,
             own: false,
             two_sided: false,
+            selected_surfels: MarkRuns::default(),
         }
     }
 
@@ -131,6 +135,7 @@ impl SceneFile {
             transform: object.world_from_object,
             material: object.material,
             radius_scale: object.radius_scale,
+            selected_surfels: MarkRuns::of(object.marked(), &object.name),
             ..Self::new(PathBuf::new())
         }
     }
@@ -171,5 +176,8 @@ impl SceneFile {
             // The same surfels under the same revision: nobody has seen them yet.
             Arc::make_mut(&mut object.geometry).origins.normals = Provenance::Estimated;
         }
+        object.marks = self
+            .selected_surfels
+            .marks(object.geometry.surfel_count, &object.name);
     }
 }

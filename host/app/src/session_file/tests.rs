@@ -1,9 +1,10 @@
 //! Sessions survive their files, and files that are none say so.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pointstage_engine::stage::{Background, SettingValue, Show};
-use pointstage_scene::Camera;
+use pointstage_scene::{Camera, Marks};
 use proptest::prelude::*;
 
 use super::testing::{
@@ -12,6 +13,7 @@ use super::testing::{
 };
 use super::*;
 use crate::camera_path::testing::any_path;
+use crate::toml_form::MarkRuns;
 
 const FOLDER: &str = "/no/sessions";
 
@@ -209,6 +211,12 @@ fn any_scene_file() -> impl Strategy<Value = SceneFile> {
             active: own.0[0],
             own: own.0[1],
             two_sided: own.0[2],
+            selected_surfels: if visible {
+                let marks = Marks::from_fn(90, |surfel| surfel % 31 > 20);
+                MarkRuns::of(Some(&Arc::new(marks)), "object")
+            } else {
+                MarkRuns::default()
+            },
         },
     )
 }

@@ -6,11 +6,13 @@
 mod checked;
 mod flaw;
 mod look;
+mod mark_runs;
 mod views;
 
 pub(crate) use checked::{lights, material, positive, transform, view};
 pub(crate) use flaw::Flaw;
 pub(crate) use look::{Look, show_from_key, show_key};
+pub(crate) use mark_runs::MarkRuns;
 pub(crate) use views::{NumberOrigin, StoredView};
 
 use std::path::Path;

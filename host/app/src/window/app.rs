@@ -9,7 +9,7 @@ use pointstage_engine::stage::{Severity, ViewportId};
 use pointstage_scene::{Loaders, Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
-use super::apply::take_pasted_view;
+use super::apply::take_pasted;
 use super::comparison::Comparing;
 use super::dialogs::{FileDialog, PathField};
 use super::folder_dialog::FolderDialog;
@@ -28,6 +28,7 @@ use super::remembered::Remembered;
 use super::rows::Rows;
 use super::save_image::SaveImage;
 use super::screen::{PROGRESS_PERIOD, Screen};
+use super::selecting::Selecting;
 use super::session::Session;
 use super::several::Several;
 use super::stage_link::{DrawnWith, StageLink};
@@ -54,6 +55,8 @@ pub(crate) struct App {
     pub(super) panels: Panels,
     pub(super) palette: Palette,
     pub(super) inspector: Inspector,
+    /// Tools that select surfels, and what was copied.
+    pub(super) selecting: Selecting,
     pub(super) progress: Progress,
     /// The renderer of whose keys was told.
     told_keys_of: Option<String>,
@@ -142,6 +145,7 @@ impl App {
             panels: Panels::default(),
             palette: Palette::default(),
             inspector: Inspector::default(),
+            selecting: Selecting::default(),
             progress: Progress::default(),
             told_keys_of: None,
             focus_setting: None,
@@ -170,7 +174,7 @@ impl App {
         let ctx = ui.ctx().clone();
         // Asked before the answers are taken: one that comes in between is taken by the next pass.
         let was_stage_idle = self.stage.is_idle();
-        self.take_finished_tasks();
+        self.take_finished_tasks(&ctx);
         self.take_errands(&ctx);
         self.refresh_rows();
         self.tell_of_conflicting_keys();
@@ -184,7 +188,7 @@ impl App {
             take_flying_keys(&ctx);
         }
         read_keys(&ctx, &actions, picture, &mut intents);
-        take_pasted_view(&ctx, &mut intents);
+        take_pasted(&ctx, &self.selecting.clipboard.token, &mut intents);
         take_dropped_files(&ctx, &mut intents);
         self.dialog.take_if(|dialog| !dialog.poll(&mut intents));
         self.folder_dialog
@@ -207,7 +211,7 @@ impl App {
         self.report_state(&ctx, is_settled);
     }
 
-    fn take_finished_tasks(&mut self) {
+    fn take_finished_tasks(&mut self, ctx: &Context) {
         let now = Instant::now();
         let finished = self.tasks.take_finished();
         if adds_to(self.shown_batch, &finished) {
@@ -234,6 +238,12 @@ impl App {
                 Finished::Cancelled(name) => {
                     tracing::info!("cancelled: {name}");
                     let text = format!("{name}: loading cancelled");
+                    self.log.say(Severity::Info, text, now);
+                }
+                Finished::Found(found) => self.take_found(*found),
+                Finished::Pieces(pieces) => self.take_over_pieces(ctx, *pieces),
+                Finished::Unchanged(what) => {
+                    let text = format!("{what}: cancelled; nothing was changed");
                     self.log.say(Severity::Info, text, now);
                 }
                 Finished::ImageSaved(saved, size_px) => self.tell_of_saved_image(*saved, size_px),

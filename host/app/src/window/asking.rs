@@ -30,6 +30,7 @@ pub(crate) struct Wish {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Look {
     scene: Revision,
+    marks: Revision,
     camera: Camera,
     lights: Lights,
     structure: Option<String>,
@@ -99,6 +100,7 @@ impl Look {
         let structure = pane.structure.as_ref();
         Self {
             scene: scene.revision(),
+            marks: scene.marks_revision(),
             camera: pane.camera,
             lights: pane.lights.clone(),
             structure: pane.structure.clone(),
@@ -129,6 +131,7 @@ impl Look {
             read_back: wish.read_back.clone(),
             time_budget: wish.time_budget,
             show: view.show.clone(),
+            shows_marks: true,
             background: view.background,
             exposure: view.exposure,
             radius_scale: view.radius_scale,

@@ -95,6 +95,8 @@ pub(crate) enum Field {
     Objects(String),
     /// The surfels of an object.
     Surfels,
+    /// Which surfels of an object are selected.
+    SelectedSurfels,
     /// What an object is called.
     ObjectName,
     /// Where an object stands.
@@ -114,7 +116,10 @@ pub(crate) enum Field {
 impl Field {
     /// Whether a change of this kind is done at once: the next one is a step of its own, however soon it comes.
     pub(super) fn is_done_at_once(&self) -> bool {
-        matches!(self, Self::Objects(_) | Self::Surfels)
+        matches!(
+            self,
+            Self::Objects(_) | Self::Surfels | Self::SelectedSurfels
+        )
     }
 }
 
@@ -395,6 +400,7 @@ fn name_of(field: &Field, rows: &Rows) -> String {
         Field::Comparison => "Comparison",
         Field::Objects(words) => words,
         Field::Surfels => "Surfels",
+        Field::SelectedSurfels => "Selected surfels",
         Field::ObjectName => "Name",
         Field::Transform => "Position",
         Field::ObjectRadiusScale => "Radius scale of objects",

@@ -16,6 +16,7 @@ use super::log::log_ui;
 use super::menu::menu_ui;
 use super::path::{FilmFacts, PathPanel, path_ui};
 use super::save_image::{SaveFacts, SaveImage};
+use super::selecting::{Tool, bar_ui, crop_ui};
 use super::settings::{self, camera, compare, lighting, plugins, renderer, scene, view};
 use super::stage_link::legend_of;
 use super::status::{Numbers, Status, status_ui};
@@ -62,6 +63,12 @@ impl App {
             return;
         };
         self.inspect_ui(ui.ctx(), answer, out);
+        let [marked, _] = self.marked_counts();
+        bar_ui(ui.ctx(), answer.rect, &self.selecting, marked, out);
+        if let Some(crop_box) = self.selecting.crop_box {
+            let bounds = self.scene_bounds();
+            crop_ui(ui.ctx(), answer.rect, crop_box, bounds, out);
+        }
         self.show_over(ui.ctx(), answer.rect, actions, out);
     }
 
@@ -199,7 +206,10 @@ impl App {
                 .map_or(answer.rect, |zoom| zoom.rect(answer.rect));
             pixel_at(at, rect, answer.size_px, &shown)
         };
-        if let Some((at, clicks)) = answer.clicked_at
+        // A click with the brush is a dab.
+        if let Some((at, clicks)) = answer
+            .clicked_at
+            .filter(|_| self.selecting.tool != Tool::Brush)
             && let Some(pixel) = pixel(at)
         {
             out.push(match clicks {
@@ -254,6 +264,7 @@ impl App {
             row.map_or(shown.drawn_by.as_str(), |row| row.title.as_str())
         });
         Status {
+            marked: self.marked_counts(),
             stats: shown.map(|shown| &shown.stats),
             numbers,
             hand_over: self.screens.active.roles.hand_over(),

@@ -10,6 +10,7 @@ use pointstage_scene::{
 
 use super::intent::{OpenMode, SceneIntent};
 use super::log::{Log, Offer};
+use super::selecting::{Found, Pieces};
 use super::session::Session;
 use super::session_link::OpenedSession;
 use super::tasks::guarded;
@@ -39,6 +40,12 @@ pub(crate) enum Finished {
     Session(Box<OpenedSession>),
     /// Stopped by the user.
     Cancelled(String),
+    /// Surfels to be marked.
+    Found(Box<Found>),
+    /// Surfels that were copied or taken out.
+    Pieces(Box<Pieces>),
+    /// Work on the scene that the user stopped; what it was.
+    Unchanged(String),
     /// An image in a file, and its size, px.
     ImageSaved(Box<Saved>, [u32; 2]),
     /// An image that the user does not want any more; the file's name.

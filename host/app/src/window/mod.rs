@@ -57,6 +57,7 @@ mod roles;
 mod rows;
 mod save_image;
 mod screen;
+mod selecting;
 mod session;
 mod session_link;
 #[cfg(test)]

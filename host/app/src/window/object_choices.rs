@@ -55,7 +55,7 @@ impl ObjectChoices {
 
     /// Notes what is not as it was in `before`.
     pub(super) fn note_differences(&self, before: &Self, note: &mut impl FnMut(bool, Field)) {
-        if self.scene.revision() == before.scene.revision() {
+        if self.scene.is_like(&before.scene) {
             return;
         }
         let only_in = |of: &'_ Self, other: &Self| -> Vec<Object> {
@@ -75,6 +75,10 @@ impl ObjectChoices {
             note(
                 !Arc::ptr_eq(&now.geometry, &then.geometry) || now.origin != then.origin,
                 Field::Surfels,
+            );
+            note(
+                Arc::ptr_eq(&now.geometry, &then.geometry) && now.marks != then.marks,
+                Field::SelectedSurfels,
             );
             note(now.name != then.name, Field::ObjectName);
             note(

@@ -16,6 +16,8 @@ const LEAST_ADAPTER_WIDTH: f32 = 60.0;
 
 /// What the bar shows.
 pub(crate) struct Status<'a> {
+    /// Selected surfels and all surfels.
+    pub(crate) marked: [usize; 2],
     /// Of the last picture.
     pub(crate) stats: Option<&'a FrameStats>,
     /// What is measured over some time.
@@ -67,6 +69,11 @@ pub(crate) fn status_ui(ui: &mut Ui, status: &Status<'_>, out: &mut Intents) {
 
 /// The picture's numbers, and what is still under way.
 fn picture_ui(ui: &mut Ui, status: &Status<'_>) {
+    let [marked, all] = status.marked.map(|count| grouped(count as u64));
+    if status.marked[0] > 0 {
+        ui.strong(format!("{marked} of {all} surfels selected"));
+        ui.separator();
+    }
     if let Some(stats) = status.stats {
         counts_ui(ui, stats, &status.numbers);
         drawn_by_ui(ui, status);

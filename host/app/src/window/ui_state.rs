@@ -248,6 +248,8 @@ impl App {
             "lights": session.panes.active.lights,
             "flight": self.navigator.is_flight(),
             "flying": self.is_flying(),
+            "tool": self.selecting.tool.key(),
+            "surfels_selected": session.scene.marked_count(),
             "turntable": session.navigation.turntable,
             "panes": self.panes_state(),
             "comparison": {

@@ -10,6 +10,7 @@ use super::comparison::zoom::part_of;
 use super::intent::{CompareIntent, Intents};
 use super::navigation::{Gestures, Hands, NavigationOptions, gestures};
 use super::picture::Layer;
+use super::selecting::Tool;
 
 /// How much a turn of the wheel enlarges, per point: a notch of 50 points by a quarter.
 const ZOOM_PER_POINT: f32 = 0.004_46;
@@ -26,6 +27,8 @@ pub(crate) struct Viewport<'a> {
     pub(crate) is_moving: bool,
     /// The part of the picture that is shown enlarged.
     pub(crate) zoom: Option<Zoom>,
+    /// What a left drag does.
+    pub(crate) tool: Tool,
 }
 
 impl ViewportAnswer {
@@ -88,6 +91,7 @@ pub(crate) fn viewport_ui(
         rect,
         options: viewport.navigation,
         is_moving: viewport.is_moving,
+        tool: viewport.tool,
     };
     // With Alt the picture itself is moved and enlarged, not the camera.
     let Hands {

@@ -15,8 +15,9 @@ use super::gizmo::gizmo_ui;
 use super::intent::{CompareIntent, Intents};
 use super::picture::Layer;
 use super::screen::Screen;
+use super::selecting::paint_box;
 use super::theme;
-use super::viewport::{Viewport, viewport_ui};
+use super::viewport::{Viewport, ViewportAnswer, viewport_ui};
 
 impl App {
     /// Shows the views on all that is left of `ui`.
@@ -147,6 +148,7 @@ impl App {
             is_moving: (self.navigator.is_moving() || self.player.is_playing())
                 && index == self.session.panes.active_index(),
             zoom,
+            tool: self.selecting.tool,
         };
         let mut ui = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(("view", index)));
         let asked_before = out.len();
@@ -162,8 +164,21 @@ impl App {
             paint_cross(&ui.painter_at(rect), rect, at);
         }
         screen.viewport = Some(answer);
+        self.select_ui(&ui, answer, index, out);
         if self.session.navigation.gizmo && index == self.session.panes.active_index() {
             gizmo_ui(&mut ui, rect, &self.gizmo(), out);
+        }
+    }
+
+    /// The crop box over a view, and what a tool draws there.
+    fn select_ui(&mut self, ui: &Ui, answer: ViewportAnswer, index: usize, out: &mut Intents) {
+        let (rect, zoom) = (answer.rect, self.comparing.zoom);
+        let pane = self.session.panes.get(index);
+        if let Some((crop_box, pane)) = self.selecting.crop_box.zip(pane) {
+            paint_box(&ui.painter_at(rect), rect, zoom, &pane.camera, crop_box);
+        }
+        if let Some(response) = ui.ctx().read_response(answer.id) {
+            self.selecting.follow(ui, rect, index, &response, zoom, out);
         }
     }
 
@@ -203,6 +218,7 @@ impl App {
             navigation: &self.session.navigation,
             is_moving: self.navigator.is_moving() || self.player.is_playing(),
             zoom,
+            tool: self.selecting.tool,
         };
         let mut ui = ui.new_child(UiBuilder::new().max_rect(view).id_salt("pair"));
         // The handle lies over the picture, so it is asked for the pointer before the picture is.
@@ -238,6 +254,7 @@ impl App {
             }
             Way::Difference(measure) => self.difference_ui(&ui, view, pair, measure, now),
         }
+        self.select_ui(&ui, answer, lead, out);
         if self.session.navigation.gizmo {
             gizmo_ui(&mut ui, view, &self.gizmo(), out);
         }

@@ -16,6 +16,7 @@ mod copied;
 mod cpu_targets;
 mod depth;
 pub mod fallback;
+pub mod highlight;
 pub mod legend;
 mod palette;
 mod passes;

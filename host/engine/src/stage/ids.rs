@@ -1,6 +1,6 @@
 //! What the numbers in the `id` target mean.
 
-use pointstage_scene::ObjectId;
+use pointstage_scene::{Marks, ObjectId, Scene};
 
 /// One block's run of ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +77,16 @@ impl IdTable {
         first_id
     }
 
+    /// The ids of the surfels that are marked in a scene. Nodes of a structure stand for many surfels and are none.
+    pub(super) fn marked<'s>(&self, scene: &'s Scene) -> MarkedIds<'s> {
+        let runs = self.runs.iter().filter_map(|run| {
+            let object = scene.object(run.object)?;
+            let marks = object.marked().filter(|_| run.source == IdSource::Scene)?;
+            Some((*run, &**marks))
+        });
+        MarkedIds(runs.collect())
+    }
+
     /// What an id stands for; `None` for 0 and for ids that no draw of the frame has.
     pub fn resolve(&self, id: u32) -> Option<Identified> {
         let after = self.runs.partition_point(|run| run.first_id <= id);
@@ -101,9 +111,56 @@ impl IdTable {
     }
 }
 
+/// Ids of marked surfels.
+pub(super) struct MarkedIds<'s>(Vec<(Run, &'s Marks)>);
+
+impl MarkedIds<'_> {
+    /// Whether the surfel of this id is marked.
+    pub(super) fn contains(&self, id: u32) -> bool {
+        let after = self.0.partition_point(|(run, _)| run.first_id <= id);
+        let Some((run, marks)) = after.checked_sub(1).and_then(|index| self.0.get(index)) else {
+            return false;
+        };
+        let surfel = id - run.first_id;
+        let in_object = usize::try_from(run.first_surfel + u64::from(surfel));
+        surfel < run.count && in_object.is_ok_and(|surfel| marks.contains(surfel))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pointstage_scene::{Block, Geometry, Object, Origins};
+    use std::sync::Arc;
+
+    #[test]
+    fn ids_are_marked_as_their_surfels_are() {
+        let object = |count: usize| {
+            let block = Block {
+                position_radius: vec![[0.0; 4]; count].into(),
+                ..Block::default()
+            };
+            let geometry = Geometry::new(vec![block], None, Origins::default());
+            Object::new("", glam::DVec3::ZERO, geometry)
+        };
+        let mut scene = Scene::new();
+        let (plain, marked) = (scene.add(object(3)), scene.add(object(9)));
+        let marks = Marks::from_fn(9, |surfel| surfel == 1 || surfel == 6);
+        scene.set_marks(marked, Some(Arc::new(marks)));
+        let mut table = IdTable::default();
+        table.base(plain, IdSource::Scene, 0, 0, 3);
+        table.base(marked, IdSource::Scene, 0, 0, 5);
+        table.base(marked, IdSource::Structure, 0, 0, 5);
+        table.base(marked, IdSource::Scene, 1, 5, 4);
+        let ids = table.marked(&scene);
+        let found: Vec<u32> = (0..40).filter(|&id| ids.contains(id)).collect();
+        assert_eq!(
+            found,
+            [5, 15],
+            "surfel 1 of the first block, 6 of the second"
+        );
+        assert!(!ids.contains(u32::MAX));
+    }
 
     #[test]
     fn ids_resolve_to_their_block_and_surfel() {

@@ -70,6 +70,8 @@ pub struct FrameRequest {
     /// Values at the dark and the bright end of the shown target's ramp, in the legend's units; found from what is in view
     /// if none are given. Tiles of one image, and frames that are compared, need the same.
     pub shown_range: Option<[f32; 2]>,
+    /// Whether surfels that are marked in the scene are tinted: over colours, and by renderers that give the `id` target.
+    pub shows_marks: bool,
     /// What lies behind.
     pub background: Background,
     /// Factor on linear colours before sRGB; 1 changes nothing.
@@ -92,7 +94,7 @@ pub struct FrameRequest {
 }
 
 impl FrameRequest {
-    /// A still picture of the scene by a renderer, waited for, with default lights, on a transparent background.
+    /// A still picture of the scene by a renderer, waited for, with default lights, on a transparent background, without marks.
     pub fn still(
         scene: Arc<Scene>,
         camera: Camera,
@@ -114,6 +116,7 @@ impl FrameRequest {
             read_back: Vec::new(),
             show: Show::Colours,
             shown_range: None,
+            shows_marks: false,
             background: Background::Transparent,
             exposure: 1.0,
             radius_scale: 1.0,

@@ -136,6 +136,7 @@ impl Choice {
             read_back: values.map(|aov| aov.key.clone()).collect(),
             lights: plan.lights.clone(),
             show: plan.look.show.clone(),
+            shows_marks: arguments.show_selection,
             background: plan.look.background,
             exposure: plan.look.exposure,
             radius_scale: plan.look.radius_scale,

@@ -101,6 +101,9 @@ pub(crate) struct RenderArguments {
     /// Factor on every surfel's radius [default: the session's, else 1]
     #[arg(long, value_name = "FACTOR", value_parser = values::factor)]
     radius_scale: Option<f32>,
+    /// Tint the surfels that the session has selected
+    #[arg(long)]
+    show_selection: bool,
     /// Write times and counts of every view as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,

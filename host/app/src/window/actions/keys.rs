@@ -1,6 +1,6 @@
 //! Reads keys: which actions were asked for by keyboard in this pass.
 
-use egui::{Context, Event, Id, InputState, Key, KeyboardShortcut};
+use egui::{Context, Event, Id, InputState, Key, KeyboardShortcut, Modifiers};
 
 use super::{Action, Keys, Scope};
 use crate::window::intent::{Intent, Intents};
@@ -29,18 +29,26 @@ pub(crate) fn read_keys(ctx: &Context, actions: &[Action], picture: Option<Id>, 
 /// Takes the events of just these keys. True if they ask for the action.
 fn take(input: &mut InputState, shortcut: KeyboardShortcut, repeats: bool) -> bool {
     let mut is_asked = false;
+    let command = Modifiers {
+        shift: input.modifiers.shift,
+        alt: input.modifiers.alt,
+        ..Modifiers::COMMAND
+    };
     input.events.retain(|event| {
-        let Event::Key {
-            key,
-            pressed: true,
-            repeat,
-            modifiers,
-            ..
-        } = event
-        else {
-            return true;
+        let (key, repeat, modifiers) = match event {
+            Event::Key {
+                key,
+                pressed: true,
+                repeat,
+                modifiers,
+                ..
+            } => (*key, *repeat, *modifiers),
+            // The toolkit makes these of Ctrl+C and Ctrl+X, and tells no keys then.
+            Event::Copy => (Key::C, false, command),
+            Event::Cut => (Key::X, false, command),
+            _ => return true,
         };
-        let is_meant = *key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers);
+        let is_meant = key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers);
         is_asked |= is_meant && (repeats || !repeat);
         !is_meant
     });
@@ -61,7 +69,7 @@ mod tests {
     use super::super::{Menu, Place};
     use super::*;
     use crate::window::intent::{Part, WindowIntent};
-    use egui::{Modifiers, RawInput};
+    use egui::RawInput;
 
     fn toggle(part: Part, modifiers: Modifiers, key: Key) -> Action {
         let place = Place::new(Menu::Window, 0);
@@ -113,6 +121,25 @@ mod tests {
             assert_eq!(asked(&actions, modifiers, Key::L), [expected]);
         }
         assert_eq!(asked(&actions, Modifiers::ALT, Key::L), []);
+    }
+
+    #[test]
+    fn what_the_toolkit_makes_of_copying_and_cutting_is_keys_again() {
+        let actions = [
+            toggle(Part::Log, Modifiers::COMMAND, Key::C),
+            toggle(Part::Keys, Modifiers::COMMAND, Key::X),
+        ];
+        for (event, part) in [(Event::Copy, Part::Log), (Event::Cut, Part::Keys)] {
+            let input = RawInput {
+                events: vec![event],
+                ..RawInput::default()
+            };
+            let mut out = Intents::new();
+            let run = |ui: &mut egui::Ui| read_keys(ui.ctx(), &actions, None, &mut out);
+            Context::default().run_ui(input, run).textures_delta.clear();
+            let asked: Vec<Intent> = out.into_iter().collect();
+            assert_eq!(asked, [Intent::Window(WindowIntent::Toggle(part))]);
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod help;
 mod keys;
 mod own_keys;
 mod renderer;
+mod select;
 mod view;
 mod views;
 mod window;
@@ -185,6 +186,7 @@ impl Place {
 pub(crate) fn all(app: &App) -> Vec<Action> {
     let mut actions = file::actions(app);
     actions.extend(edit::actions(app));
+    actions.extend(select::actions(app));
     actions.extend(camera::actions(app));
     actions.extend(views::actions(app));
     actions.extend(view::actions(app));
@@ -199,6 +201,7 @@ pub(crate) fn all(app: &App) -> Vec<Action> {
 pub(crate) fn gestures() -> Vec<(&'static str, &'static str)> {
     [
         camera::GESTURES,
+        select::GESTURES,
         view::GESTURES,
         compare::GESTURES,
         file::GESTURES,

@@ -12,6 +12,7 @@ mod path;
 mod plugins;
 mod renderer;
 mod scene;
+mod select;
 mod view;
 mod views;
 mod window;
@@ -21,7 +22,7 @@ use egui::Context;
 use super::app::App;
 use super::intent::Intent;
 
-pub(super) use views::take_pasted_view;
+pub(super) use views::take_pasted;
 
 impl App {
     /// Carries out one intent.
@@ -38,6 +39,7 @@ impl App {
             Intent::Light(intent) => self.apply_light(intent),
             Intent::View(intent) => self.apply_view(intent),
             Intent::Scene(intent) => self.apply_scene(intent),
+            Intent::Select(intent) => self.apply_select(intent),
             Intent::Plugins(intent) => self.apply_plugins(intent),
             Intent::Export(intent) => self.apply_export(intent),
             Intent::Inspect(intent) => self.apply_inspect(intent),

@@ -7,7 +7,7 @@ use pointstage_engine::stage::Severity;
 use pointstage_scene::{NearClipping, ViewRecord};
 
 use crate::window::app::App;
-use crate::window::intent::{Intents, ViewsIntent};
+use crate::window::intent::{Intents, SelectIntent, ViewsIntent};
 use crate::window::thumbnail;
 use crate::window::views::slot_key;
 
@@ -109,8 +109,8 @@ impl App {
     }
 }
 
-/// A text that is pasted while none is typed is taken for a view.
-pub(in crate::window) fn take_pasted_view(ctx: &Context, out: &mut Intents) {
+/// A text that is pasted while none is typed is taken for a view, but for the one that stands for copied surfels.
+pub(in crate::window) fn take_pasted(ctx: &Context, surfels: &str, out: &mut Intents) {
     if ctx.text_edit_focused() {
         return;
     }
@@ -122,6 +122,10 @@ pub(in crate::window) fn take_pasted_view(ctx: &Context, out: &mut Intents) {
         texts.next_back()
     });
     if let Some(text) = pasted {
-        out.push(ViewsIntent::Paste(text));
+        if text == surfels {
+            out.push(SelectIntent::Paste);
+        } else {
+            out.push(ViewsIntent::Paste(text));
+        }
     }
 }

@@ -13,6 +13,7 @@ mod path;
 mod plugins;
 mod renderer;
 mod scene;
+mod select;
 mod view;
 mod views;
 mod window;
@@ -28,6 +29,7 @@ pub(crate) use path::{FilmFiles, PathIntent};
 pub(crate) use plugins::PluginsIntent;
 pub(crate) use renderer::RendererIntent;
 pub(crate) use scene::SceneIntent;
+pub(crate) use select::SelectIntent;
 pub(crate) use view::ViewIntent;
 pub(crate) use views::ViewsIntent;
 pub(crate) use window::{Part, Tab, WindowIntent};
@@ -55,6 +57,8 @@ pub(crate) enum Intent {
     View(ViewIntent),
     /// The objects.
     Scene(SceneIntent),
+    /// Surfels: which are selected, and what becomes of them.
+    Select(SelectIntent),
     /// Plugin files.
     Plugins(PluginsIntent),
     /// Pictures to files.
@@ -126,6 +130,7 @@ areas! {
     Light(LightIntent),
     View(ViewIntent),
     Scene(SceneIntent),
+    Select(SelectIntent),
     Plugins(PluginsIntent),
     Export(ExportIntent),
     Inspect(InspectIntent),

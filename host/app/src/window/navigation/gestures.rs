@@ -10,6 +10,7 @@ use super::fly::FlyKeys;
 use super::trail::Trail;
 use super::{CameraMove, Glide, GlideKind, NavigationOptions, ScrollAction};
 use crate::window::intent::{CameraIntent, Intents, LightIntent};
+use crate::window::selecting::Tool;
 
 /// One arrow key turns by 5°.
 const KEY_TURN_RAD: f64 = 0.087_266;
@@ -33,6 +34,8 @@ pub(crate) struct Gestures<'a> {
     pub(crate) options: &'a NavigationOptions,
     /// Whether the camera moves by itself.
     pub(crate) is_moving: bool,
+    /// What a left drag does.
+    pub(crate) tool: Tool,
 }
 
 /// What the hands do.
@@ -65,7 +68,7 @@ pub(crate) fn gestures(ui: &Ui, gestures: &Gestures<'_>, out: &mut Intents) -> H
     gestures.let_go(ui, out);
     let interaction = if out.len() > asked_before || gestures.is_moving {
         Interaction::MOVING
-    } else if is_flying || response.dragged() {
+    } else if is_flying || (response.dragged() && !gestures.is_selecting()) {
         Interaction::HELD
     } else {
         Interaction::STILL
@@ -81,6 +84,14 @@ fn moved(camera_move: CameraMove) -> CameraIntent {
 }
 
 impl Gestures<'_> {
+    /// Whether a left drag is under way or ending that selects.
+    fn is_selecting(&self) -> bool {
+        let response = self.response;
+        let is_left = response.dragged_by(PointerButton::Primary)
+            || response.drag_stopped_by(PointerButton::Primary);
+        self.tool != Tool::Navigate && is_left
+    }
+
     /// Points as picture heights, x right and y up.
     fn heights(&self, points: egui::Vec2) -> [f64; 2] {
         let height = f64::from(self.rect.height().max(1.0));
@@ -90,7 +101,7 @@ impl Gestures<'_> {
     /// Left drag turns, middle drag and Shift+left drag shift, Ctrl+left drag rolls a free scene, L+left drag moves a light.
     fn drag(&self, ui: &Ui, out: &mut Intents) {
         let delta = self.response.drag_delta();
-        if delta == egui::Vec2::ZERO {
+        if delta == egui::Vec2::ZERO || self.is_selecting() {
             return;
         }
         let [right, up] = self.heights(delta);
@@ -192,7 +203,8 @@ impl Gestures<'_> {
         let is_left = self.response.drag_stopped_by(PointerButton::Primary);
         let is_middle = self.response.drag_stopped_by(PointerButton::Middle);
         let velocity = self.velocity(ui);
-        if !self.options.inertia || !(is_left || is_middle) || is_light_key_down(ui) {
+        let glides = self.options.inertia && !self.is_selecting() && !is_light_key_down(ui);
+        if !(glides && (is_left || is_middle)) {
             return;
         }
         let modifiers = ui.input(|input| input.modifiers);

@@ -14,6 +14,7 @@ const SIDE_PX: f32 = 400.0;
 struct Seen {
     options: NavigationOptions,
     is_moving: bool,
+    tool: Tool,
     rect: Option<Rect>,
     hands: Option<Hands>,
     asked: Intents,
@@ -41,6 +42,7 @@ fn window(scale: f32, options: NavigationOptions) -> Harness<'static, Seen> {
             rect,
             options: &seen.options,
             is_moving: seen.is_moving,
+            tool: seen.tool,
         };
         seen.rect = Some(rect);
         seen.hands = Some(gestures(ui, &picture, &mut seen.asked));

@@ -9,10 +9,12 @@ mod targets;
 pub(super) use targets::given_targets;
 
 use super::options::FrameError;
-use super::request::{FrameRequest, FrameResult, FrameStats};
+use super::request::{FrameRequest, FrameResult, FrameStats, Show};
 use super::session::{Drawer, FALLBACK_ID, Selecting, Stage};
 use super::uniforms::{FrameNumbers, frame_uniform};
 use crate::device::GpuError;
+use crate::frame::highlight::highlight;
+use crate::frame::targets::ID;
 use crate::frame::{Picture, Plane};
 use crate::plugins::PluginInfo;
 use glam::DMat4;
@@ -31,15 +33,18 @@ impl Stage {
         structure: Option<&Selecting>,
     ) -> Result<FrameResult, FrameError> {
         // While another scene is being prepared for, the prepared one goes on being drawn.
-        let request = &match drawer {
-            Drawer::Plugin(_, ready) if ready.key.scene != request.scene.revision() => {
-                FrameRequest {
-                    scene: Arc::clone(ready.scene()),
-                    ..request.clone()
-                }
-            }
-            _ => request.clone(),
-        };
+        let mut drawn = request.clone();
+        if let Drawer::Plugin(_, ready) = drawer
+            && ready.key.scene != request.scene.revision()
+        {
+            drawn.scene = Arc::clone(ready.scene());
+        }
+        let shows_marks = shows_marks(&drawn);
+        let asks_for_ids = drawn.read_back.iter().any(|key| key == ID);
+        if shows_marks && !asks_for_ids {
+            drawn.read_back.push(ID.to_owned());
+        }
+        let request = &drawn;
         // Its ranges and numbers are of one scene.
         let structure = structure.filter(|(_, ready)| ready.key.scene == request.scene.revision());
         let (info, entry_id) = match drawer {
@@ -68,6 +73,13 @@ impl Stage {
         result.stats.scene_bytes = self.gpu.as_ref().map_or(0, |gpu| gpu.scene.bytes());
         add_statistics(&mut result.stats.reported, &planned.selection_statistics);
         result.uniform = planned.uniform;
+        if shows_marks && let Some(Plane::Uint(ids)) = result.planes.get(ID) {
+            let marked = planned.ids.marked(&request.scene);
+            highlight(&mut result.picture, ids, |id| marked.contains(id));
+        }
+        if !asks_for_ids {
+            result.planes.remove(ID);
+        }
         result.ids = Arc::new(planned.ids);
         result.scene = Arc::clone(&request.scene);
         result.world_from_view = world_from_view(request);
@@ -81,6 +93,11 @@ impl Stage {
             sample_index: slot.sample_index,
         })
     }
+}
+
+/// Whether a picture has marks to show: over colours only, since a target's colours mean values.
+fn shows_marks(request: &FrameRequest) -> bool {
+    request.shows_marks && request.show == Show::Colours && request.scene.marked_count() > 0
 }
 
 /// What either way of drawing gives.
