@@ -1,11 +1,12 @@
 //! Surfel columns of one object, in blocks, shared between threads.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
 use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, decode_normal};
 
 use crate::bounds::Bounds;
+use crate::framing::framed_bounds;
 use crate::scene::Revision;
 
 /// Everything that an object's surfels are made of. Columns sit behind `Arc`, so a clone is cheap and shares them.
@@ -23,6 +24,8 @@ pub struct Geometry {
     pub origins: Origins,
     /// Changes with every change of the above.
     pub revision: Revision,
+    /// The box to frame, once somebody asked for it.
+    pub(crate) framed: OnceLock<Bounds>,
 }
 
 /// A run of surfels, column by column; all columns have the same length.
@@ -203,7 +206,14 @@ impl Geometry {
             surfel_count,
             origins,
             revision: Revision::next(),
+            framed: OnceLock::new(),
         }
+    }
+
+    /// Box around the centres that a picture should show, local: all of them, but for points of a point set that stray far
+    /// from all others (see `framing`).
+    pub fn framed_bounds(&self) -> Bounds {
+        *self.framed.get_or_init(|| framed_bounds(self))
     }
 
     /// Block and index in it of a surfel counted over all blocks.
@@ -263,6 +273,7 @@ impl Geometry {
     /// Takes a new revision; call after changing anything.
     pub fn touch(&mut self) {
         self.revision = Revision::next();
+        self.framed = OnceLock::new();
     }
 }
 

@@ -14,6 +14,7 @@ mod camera;
 mod changes;
 pub mod edit;
 pub mod estimate;
+mod framing;
 mod geometry;
 mod job;
 mod light;

@@ -170,6 +170,12 @@ impl Object {
     pub fn bounds_world(&self) -> Bounds {
         self.geometry.bounds.transformed(&self.world_from_local())
     }
+
+    /// Box in the world that a picture should show: without points that stray far from all others.
+    pub fn framed_world(&self) -> Bounds {
+        let framed = self.geometry.framed_bounds();
+        framed.transformed(&self.world_from_local())
+    }
 }
 
 impl Scene {
@@ -295,6 +301,16 @@ impl Scene {
             .filter(|object| object.visible)
             .fold(Bounds::EMPTY, |bounds, object| {
                 bounds.union(object.bounds_world())
+            })
+    }
+
+    /// Box in the world that a picture of all visible objects should show: without points that stray far from all others.
+    pub fn framed_world(&self) -> Bounds {
+        self.objects
+            .iter()
+            .filter(|object| object.visible)
+            .fold(Bounds::EMPTY, |bounds, object| {
+                bounds.union(object.framed_world())
             })
     }
 

@@ -29,7 +29,7 @@ pub(crate) fn resolve(
     size_px: [u32; 2],
     stored: &[(String, ViewRecord)],
 ) -> Outcome<Vec<ViewRecord>> {
-    let views = source.resolve(&scene.bounds_world(), size_px, stored);
+    let views = source.resolve(&scene.framed_world(), size_px, stored);
     views.map_err(failure)
 }
 

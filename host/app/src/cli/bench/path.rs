@@ -14,7 +14,8 @@ pub(super) fn cameras(
 ) -> Outcome<Vec<Camera>> {
     let aspect = f64::from(width) / f64::from(height);
     let bounds = scene.bounds_world();
-    let ring = |views: u32| orbit_cameras(&bounds, views as usize, aspect);
+    let framed = scene.framed_world();
+    let ring = |views: u32| orbit_cameras(&framed, views as usize, aspect);
     let path = match source {
         PathSource::Orbit => return Ok(ring(count)),
         PathSource::OrbitOf(views) => {

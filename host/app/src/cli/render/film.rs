@@ -76,7 +76,7 @@ impl Film {
         let loaded = match self {
             Self::Path(loaded) => loaded,
             Self::Orbit(count) => {
-                let cameras = orbit_cameras(&bounds, *count as usize, base.aspect());
+                let cameras = orbit_cameras(&scene.framed_world(), *count as usize, base.aspect());
                 let shots = cameras.into_iter().map(|camera| {
                     let view = ViewRecord::new(camera, base.width, base.height);
                     (view, ValuesAt::default())

@@ -99,8 +99,9 @@ impl App {
         let selected = selected.filter(|object| object.selected && object.visible);
         Surroundings {
             bounds: session.scene.bounds_world(),
+            framed: session.scene.framed_world(),
             selection: selected.fold(Bounds::EMPTY, |bounds, object| {
-                bounds.union(object.bounds_world())
+                bounds.union(object.framed_world())
             }),
             aspect,
             turntable: session.navigation.turntable,

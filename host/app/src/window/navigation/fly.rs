@@ -89,6 +89,7 @@ mod tests {
     fn flown(keys: FlyKeys, passes_per_second: u32, size: f64) -> DVec3 {
         let around = Surroundings {
             bounds: Bounds::new(DVec3::splat(-size), DVec3::splat(size)),
+            framed: Bounds::new(DVec3::splat(-size), DVec3::splat(size)),
             ..Surroundings::default()
         };
         let mut camera = Camera::default();

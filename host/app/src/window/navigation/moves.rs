@@ -96,7 +96,9 @@ pub(crate) enum CameraMove {
 pub(crate) struct Surroundings {
     /// The scene's box in the world.
     pub(crate) bounds: Bounds,
-    /// The box of what is selected; empty if nothing is.
+    /// The part of it that a view of the whole shows: without points that stray far from all others.
+    pub(crate) framed: Bounds,
+    /// The box to show of what is selected; empty if nothing is.
     pub(crate) selection: Bounds,
     /// The picture's width over its height.
     pub(crate) aspect: f64,
@@ -115,6 +117,7 @@ impl Default for Surroundings {
     fn default() -> Self {
         Self {
             bounds: Bounds::EMPTY,
+            framed: Bounds::EMPTY,
             selection: Bounds::EMPTY,
             aspect: 1.5,
             turntable: NavigationOptions::default().turntable,
@@ -131,13 +134,14 @@ impl Surroundings {
     pub(crate) fn of_unit_scene() -> Self {
         Self {
             bounds: Bounds::new(DVec3::splat(-1.0), DVec3::splat(1.0)),
+            framed: Bounds::new(DVec3::splat(-1.0), DVec3::splat(1.0)),
             ..Self::default()
         }
     }
 
-    /// The radius of the scene; 1 if there is none.
+    /// The radius of what a view of the whole shows; 1 if there is none.
     fn radius(&self) -> f64 {
-        let radius = self.bounds.sphere_radius();
+        let radius = self.framed.sphere_radius();
         if radius > 0.0 { radius } else { 1.0 }
     }
 
@@ -179,9 +183,9 @@ impl CameraMove {
                 let radius = around.radius();
                 camera.fly(right * radius, up * radius, forward * radius);
             }
-            Self::Frame => camera.frame(&around.bounds, around.aspect),
+            Self::Frame => camera.frame(&around.framed, around.aspect),
             Self::FrameSelection if around.selection.is_empty() => {
-                camera.frame(&around.bounds, around.aspect);
+                camera.frame(&around.framed, around.aspect);
             }
             Self::FrameSelection => camera.frame(&around.selection, around.aspect),
             Self::Axis(axis) => look_from(camera, around, axis),
@@ -222,7 +226,7 @@ fn zoom_to(camera: &mut Camera, around: &Surroundings, factor: f64, pointer_heig
     let limits = if around.bounds.is_empty() || radius <= 0.0 {
         [0.0, f64::INFINITY]
     } else {
-        [CLOSEST * radius, FARTHEST * radius]
+        [CLOSEST * around.radius(), FARTHEST * radius]
     };
     // A camera that stands outside the limits already may come back, but not go on.
     let wanted = (height * factor).clamp(limits[0].min(height), limits[1].max(height));
@@ -493,6 +497,25 @@ mod tests {
         assert_eq!(camera.pivot, point);
         assert!(seen_at(&camera, point).length() < 1e-9);
         assert_eq!(camera.eye, framed().eye, "the eye turns and stays");
+    }
+
+    #[test]
+    fn the_whole_is_framed_without_what_strays_and_depth_reaches_that_too() {
+        let far = DVec3::new(1e6, 0.0, 0.0);
+        let around = Surroundings {
+            bounds: Bounds::new(DVec3::splat(-1.0), far),
+            ..Surroundings::of_unit_scene()
+        };
+        let (mut camera, mut clean) = (Camera::default(), Camera::default());
+        CameraMove::SwitchProjection.apply(&mut camera, &around);
+        clean.clone_from(&camera);
+        CameraMove::Frame.apply(&mut camera, &around);
+        CameraMove::Frame.apply(&mut clean, &Surroundings::of_unit_scene());
+        assert_eq!(
+            (camera.pivot, camera.projection),
+            (clean.pivot, clean.projection)
+        );
+        assert!(camera.far - camera.distance() > 1e5, "{camera:?}");
     }
 
     #[test]

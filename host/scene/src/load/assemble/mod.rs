@@ -78,6 +78,7 @@ pub(in crate::load) fn finish(
         surfel_count,
         origins,
         revision: Revision::next(),
+        framed: std::sync::OnceLock::new(),
     };
     job.set_progress(0.4);
     let polygons = add_faces(
