@@ -2,7 +2,7 @@
 //!
 //! [`MotionPath`] is what a file or a session holds: views at their times, a turntable, and [`tracks`] of settings. A [`Way`]
 //! is where its camera is at each time, for one scene and one view to begin with. [`frames`] says which pictures a film of it
-//! has, [`file`] reads paths from files, and [`source`] is what a user may write where a command takes a path.
+//! has, [`mod@file`] reads paths from files, and [`source`] is what a user may write where a command takes a path.
 
 mod file;
 mod frames;

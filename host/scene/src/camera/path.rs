@@ -395,7 +395,7 @@ impl Knot {
 /// The rate between two stretches that keeps a cubic within their ends (Fritsch and Butland, equation 4).
 fn monotone([before, after]: [f64; 2], [secs_before, secs_after]: [f64; 2]) -> f64 {
     // Turning round there, or at rest.
-    if !(before * after > 0.0) {
+    if before * after <= 0.0 {
         return 0.0;
     }
     let weights = [

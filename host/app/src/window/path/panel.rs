@@ -175,7 +175,8 @@ fn stored_ui(ui: &mut Ui, views: &StoredViews, out: &mut Intents) {
                 }
             })
             .response
-            .on_disabled_hover_text("No view is stored: Ctrl+1 stores one");
+            .on_disabled_hover_text("No view is stored: Ctrl+1 stores one")
+            .accessible_name("Add stored view");
     });
 }
 
@@ -278,7 +279,8 @@ fn tracks_ui(ui: &mut Ui, panel: &PathPanel<'_>, out: &mut Intents) {
             .selected_text(text)
             .show_ui(ui, |ui| setting_choices_ui(ui, panel, out))
             .response
-            .on_hover_text("Gives a setting the value that it has now at the shown time");
+            .on_hover_text("Gives a setting the value that it has now at the shown time")
+            .accessible_name("Set value");
     });
     for (index, track) in panel.path.tracks.iter().enumerate() {
         ui.push_id(("track", index), |ui| {
