@@ -7,7 +7,8 @@ use pointstage_scene::Camera;
 use super::app::App;
 use super::app_tests::{SQUARE, type_path, wait_until, window};
 use super::intent::{
-    CameraIntent, EditIntent, FilmFiles, Intent, Part, PathIntent, Replace, WindowIntent,
+    CameraIntent, EditIntent, FileIntent, FilmFiles, Intent, OpenMode, Part, PathIntent, Replace,
+    WindowIntent,
 };
 use super::navigation::CameraMove;
 use super::views::ListWay;
@@ -109,7 +110,17 @@ fn a_session_file_has_the_path() {
     let file = folder.path().join("a.pointstage.toml");
     std::fs::write(&file, text).expect("written");
     let read = crate::session_file::SessionFile::read(&file).expect("right");
-    assert_eq!(read.path.as_ref(), Some(&app.session.path));
+    let path = app.session.path.clone();
+    assert_eq!(read.path.as_ref(), Some(&path));
+    let mut another = window();
+    another.run_steps(2);
+    ask(
+        &mut another,
+        FileIntent::Open(vec![file], OpenMode::Replace),
+    );
+    wait_until(&mut another, |another| another.state().session.path == path);
+    ask(&mut another, PathIntent::Scrub(2.0));
+    assert_eq!(camera(&another), path.keys[1].view.camera());
 }
 
 #[test]

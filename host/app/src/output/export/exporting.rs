@@ -93,6 +93,13 @@ impl Exporting {
         outcome
     }
 
+    /// Whether all is drawn, and the file takes its place any moment.
+    pub(crate) fn is_being_written(&self) -> bool {
+        self.drawing
+            .as_ref()
+            .is_some_and(|drawing| drawing.has_ended)
+    }
+
     fn try_step(&mut self, stage: &mut Stage) -> Result<Option<Saved>, ExportError> {
         self.job.check()?;
         let Some(tiling) = self.tiling else {

@@ -102,7 +102,8 @@ impl Filming {
             self.current = Some((Exporting::begin(export, own.clone())?, own));
             return Ok(false);
         };
-        if job.is_cancelled() {
+        // One that is drawn is written to its end, so that what is counted is what is there.
+        if job.is_cancelled() && !exporting.is_being_written() {
             own.cancel();
         }
         let saved = exporting.step(stage)?;
