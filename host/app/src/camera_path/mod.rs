@@ -154,15 +154,18 @@ impl MotionPath {
         self.turntable.is_none() && self.keys.is_empty() && self.tracks.is_empty()
     }
 
-    /// Its views and tracks by name, with the number of values: what stays when times and numbers are changed.
-    pub(crate) fn parts(&self) -> (Vec<&str>, Vec<(&str, &str, usize)>, bool) {
-        let tracks = self.tracks.iter();
-        let tracks = tracks.map(|track| (&*track.owner, &*track.setting, track.keys.len()));
-        (
-            self.keys.iter().map(|key| &*key.name).collect(),
-            tracks.collect(),
-            self.turntable.is_some(),
-        )
+    /// Whether it has the views, tracks and values of another path, whatever their times and numbers are.
+    pub(crate) fn has_parts_of(&self, other: &Self) -> bool {
+        let name = |key: &ViewKey| key.name.clone();
+        let values =
+            |track: &SettingTrack| (track.owner.clone(), track.setting.clone(), track.keys.len());
+        self.keys.iter().map(name).eq(other.keys.iter().map(name))
+            && self
+                .tracks
+                .iter()
+                .map(values)
+                .eq(other.tracks.iter().map(values))
+            && self.turntable.is_some() == other.turntable.is_some()
     }
 
     /// Whether the camera moves along it, not settings alone.

@@ -288,7 +288,7 @@ impl Choices {
         note(self.comparison != before.comparison, Field::Comparison);
         note(self.material != before.material, Field::Material);
         note(self.pacing != before.pacing, Field::Pacing);
-        note(self.path.parts() != before.path.parts(), Field::PathParts);
+        note(!self.path.has_parts_of(&before.path), Field::PathParts);
         note(self.path != before.path, Field::Path);
         self.objects.note_differences(&before.objects, &mut note);
         fields

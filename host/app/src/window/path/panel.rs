@@ -284,7 +284,7 @@ fn tracks_ui(ui: &mut Ui, panel: &PathPanel<'_>, out: &mut Intents) {
     });
     for (index, track) in panel.path.tracks.iter().enumerate() {
         ui.push_id(("track", index), |ui| {
-            track_ui(ui, panel, track, index, out)
+            track_ui(ui, panel, track, index, out);
         });
     }
 }
