@@ -173,24 +173,21 @@ impl Part<'_> {
 
     fn axes(&self, block: &Block, surfel: usize) -> [f32; 8] {
         let own = block.axes.as_ref().and_then(|all| all.get(surfel));
-        let axes = match own {
-            Some(&[ux, uy, uz, _, vx, vy, vz, _]) => {
-                let axes = [Vec3::new(ux, uy, uz), Vec3::new(vx, vy, vz)];
-                let axes = match &self.moved {
-                    Some(moved) => moved.axes(axes),
-                    None => axes,
-                };
-                axes.map(|axis| axis * self.object.radius_scale)
-            }
-            None => {
-                let [.., radius] = self.position_radius(block, surfel);
-                let normal = match self.normal(block, surfel) {
-                    NO_NORMAL => Vec3::Z,
-                    packed => decode_normal(packed),
-                };
-                let (u, v) = normal.any_orthonormal_pair();
-                [u * radius, v * radius]
-            }
+        let axes = if let Some(&[ux, uy, uz, _, vx, vy, vz, _]) = own {
+            let axes = [Vec3::new(ux, uy, uz), Vec3::new(vx, vy, vz)];
+            let axes = match &self.moved {
+                Some(moved) => moved.axes(axes),
+                None => axes,
+            };
+            axes.map(|axis| axis * self.object.radius_scale)
+        } else {
+            let [.., radius] = self.position_radius(block, surfel);
+            let normal = match self.normal(block, surfel) {
+                NO_NORMAL => Vec3::Z,
+                packed => decode_normal(packed),
+            };
+            let (u, v) = normal.any_orthonormal_pair();
+            [u * radius, v * radius]
         };
         let [u, v] = axes;
         [u.x, u.y, u.z, 0.0, v.x, v.y, v.z, 0.0]
@@ -202,6 +199,10 @@ impl Columns {
     fn block(&self, parts: &[Part<'_>], range: Range<usize>) -> Block {
         let grey = srgb_from_linear(MID_GREY);
         let grey = encode_colour(Vec4::new(grey, grey, grey, 1.0));
+        let position_radius =
+            |part: &Part<'_>, block: &Block, at: usize| part.position_radius(block, at);
+        let normal = |part: &Part<'_>, block: &Block, at: usize| part.normal(block, at);
+        let axes = |part: &Part<'_>, block: &Block, at: usize| part.axes(block, at);
         let colour = |_: &Part<'_>, block: &Block, surfel: usize| {
             let own = block.colour.as_ref().and_then(|all| all.get(surfel));
             own.copied().unwrap_or(grey)
@@ -220,16 +221,10 @@ impl Columns {
             }
         });
         Block {
-            position_radius: column(parts, &range, |part, block, at| {
-                part.position_radius(block, at)
-            }),
-            normal: self
-                .normals
-                .then(|| column(parts, &range, |part, block, at| part.normal(block, at))),
+            position_radius: column(parts, &range, position_radius),
+            normal: self.normals.then(|| column(parts, &range, normal)),
             colour: self.colours.then(|| column(parts, &range, colour)),
-            axes: self
-                .axes
-                .then(|| column(parts, &range, |part, block, at| part.axes(block, at))),
+            axes: self.axes.then(|| column(parts, &range, axes)),
             named: named.collect(),
         }
     }

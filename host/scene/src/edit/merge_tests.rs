@@ -265,7 +265,7 @@ proptest! {
     ) {
         let mut objects = objects;
         for object in &mut objects {
-            object.world_from_object = object.world_from_object * DAffine3::from_rotation_y(angle);
+            object.world_from_object *= DAffine3::from_rotation_y(angle);
         }
         let all: Vec<&Object> = objects.iter().collect();
         let found = merge(&all, "all").expect("they can be merged").bounds_world();
