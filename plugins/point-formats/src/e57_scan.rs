@@ -1,9 +1,13 @@
 //! E57 (ASTM E2807): the scans of a file as one object, each where its pose puts it.
+//!
+//! Normals are those of the extension for surface normals (`nor:normalX` and so on), turned by the scan's pose. The library's reader of
+//! points passes over extensions, so a second one reads the same scan's raw values alongside.
 
 use std::io::Cursor;
 
-use e57::{CartesianCoordinate, E57Reader, PointCloud};
+use e57::{CartesianCoordinate, E57Reader, PointCloud, Quaternion, RecordName, RecordValue};
 use pointstage_plugin_api::abi::ScalarType;
+use pointstage_plugin_api::glam::{DQuat, DVec3};
 use pointstage_plugin_api::loading::{
     Claim, Column, FileStart, Loader, Output, SourceFile, bytes_of,
 };
@@ -46,6 +50,12 @@ impl Loader for E57Loader {
             )));
         }
         let mut run = Run::new(&scans);
+        let mut extended = if run.has_normal {
+            let again = E57Reader::new(Cursor::new(file.bytes));
+            Some(again.map_err(|error| Error::failed(whole_message(&error)))?)
+        } else {
+            None
+        };
         run.declare(out, expected)?;
         let (mut read, mut invalid) = (0_u64, 0_u64);
         for (number, scan) in scans.iter().enumerate() {
@@ -64,8 +74,23 @@ impl Loader for E57Loader {
                 .map_err(|error| fail(&error, 0))?;
             points.intensity_to_color(false);
             points.normalize_intensity(false);
+            let mut normals = match (&mut extended, Normals::of(scan)) {
+                (Some(reader), Some(normals)) => {
+                    let raw = reader.pointcloud_raw(scan);
+                    Some((normals, raw.map_err(|error| fail(&error, 0))?))
+                }
+                _ => None,
+            };
             for (index, point) in points.enumerate() {
                 let point = point.map_err(|error| fail(&error, index as u64))?;
+                let normal = match &mut normals {
+                    Some((normals, raw)) => match raw.next() {
+                        Some(Ok(values)) => normals.read(&values),
+                        Some(Err(error)) => return Err(fail(&error, index as u64)),
+                        None => [0.0; 3],
+                    },
+                    None => [0.0; 3],
+                };
                 read += 1;
                 if read.is_multiple_of(RUN as u64) {
                     progress.check()?;
@@ -75,7 +100,7 @@ impl Loader for E57Loader {
                     invalid += 1;
                     continue;
                 };
-                run.push([x, y, z], &point, number);
+                run.push([x, y, z], normal, &point, number);
                 if run.positions.len() == RUN {
                     run.flush(out)?;
                 }
@@ -101,12 +126,54 @@ fn whole_message(error: &e57::Error) -> String {
     text
 }
 
+/// Where a scan keeps its normals, and what turns them into the file's axes.
+struct Normals<'s> {
+    scan: &'s PointCloud,
+    places: [usize; 3],
+    turn: DQuat,
+}
+
+impl<'s> Normals<'s> {
+    /// `None` for a scan without normals.
+    fn of(scan: &'s PointCloud) -> Option<Self> {
+        let place = |wanted: &str| {
+            scan.prototype.iter().position(|record| {
+                matches!(&record.name, RecordName::Unknown { name, .. } if name == wanted)
+            })
+        };
+        let places = [place("normalX")?, place("normalY")?, place("normalZ")?];
+        let turn = scan.transform.as_ref().map_or(DQuat::IDENTITY, |pose| {
+            let Quaternion { w, x, y, z } = pose.rotation.clone();
+            DQuat::from_xyzw(x, y, z, w).normalize()
+        });
+        Some(Self {
+            scan,
+            places,
+            turn,
+        })
+    }
+
+    /// Of a point's raw values; zeros, which the host replaces, where a number cannot be read.
+    fn read(&self, values: &[RecordValue]) -> [f32; 3] {
+        let value = |place: usize| {
+            let kind = &self.scan.prototype.get(place)?.data_type;
+            values.get(place)?.to_f64(kind).ok()
+        };
+        let [x, y, z] = self.places.map(value);
+        let normal = x.zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z));
+        let turned = normal.map_or(DVec3::ZERO, |normal| self.turn * normal);
+        turned.as_vec3().to_array()
+    }
+}
+
 /// Points that have not been handed over yet.
 struct Run {
+    has_normal: bool,
     has_colour: bool,
     has_intensity: bool,
     has_scans: bool,
     positions: Vec<[f64; 3]>,
+    normals: Vec<[f32; 3]>,
     colours: Vec<[f32; 3]>,
     intensities: Vec<f32>,
     scans: Vec<u16>,
@@ -115,10 +182,12 @@ struct Run {
 impl Run {
     fn new(scans: &[PointCloud]) -> Self {
         Self {
+            has_normal: scans.iter().any(|scan| Normals::of(scan).is_some()),
             has_colour: scans.iter().any(PointCloud::has_color),
             has_intensity: scans.iter().any(PointCloud::has_intensity),
             has_scans: scans.len() > 1,
             positions: Vec::with_capacity(RUN),
+            normals: Vec::new(),
             colours: Vec::new(),
             intensities: Vec::new(),
             scans: Vec::new(),
@@ -127,6 +196,9 @@ impl Run {
 
     fn declare(&self, out: &mut Output<'_>, expected: u64) -> Result<()> {
         let mut columns = vec![Column::POSITION_F64];
+        if self.has_normal {
+            columns.push(Column::NORMAL_F32);
+        }
         if self.has_colour {
             columns.push(Column::of(
                 pointstage_plugin_api::ColumnRole::COLOUR,
@@ -143,8 +215,11 @@ impl Run {
         out.columns(&columns, expected)
     }
 
-    fn push(&mut self, position: [f64; 3], point: &e57::Point, scan: usize) {
+    fn push(&mut self, position: [f64; 3], normal: [f32; 3], point: &e57::Point, scan: usize) {
         self.positions.push(position);
+        if self.has_normal {
+            self.normals.push(normal);
+        }
         if self.has_colour {
             // White where a scan, or a point, has none.
             let colour = point.color.as_ref();
@@ -161,6 +236,9 @@ impl Run {
 
     fn flush(&mut self, out: &mut Output<'_>) -> Result<()> {
         let mut columns = vec![bytes_of(&self.positions)];
+        if self.has_normal {
+            columns.push(bytes_of(&self.normals));
+        }
         if self.has_colour {
             columns.push(bytes_of(&self.colours));
         }
@@ -172,6 +250,7 @@ impl Run {
         }
         out.rows(self.positions.len(), &columns)?;
         self.positions.clear();
+        self.normals.clear();
         self.colours.clear();
         self.intensities.clear();
         self.scans.clear();

@@ -10,6 +10,30 @@ use pointstage_plugin_api::loading::{
 };
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
+use crate::las_extra::{Extra, described};
+
+/// Names of columns.
+const INTENSITY: &str = "intensity";
+const CLASSIFICATION: &str = "classification";
+const RETURN_NUMBER: &str = "return_number";
+const NUMBER_OF_RETURNS: &str = "number_of_returns";
+const POINT_SOURCE_ID: &str = "point_source_id";
+const USER_DATA: &str = "user_data";
+const SCAN_ANGLE: &str = "scan_angle";
+const GPS_TIME: &str = "gps_time";
+const NEAR_INFRARED: &str = "near_infrared";
+const NAMES: [&str; 9] = [
+    INTENSITY,
+    CLASSIFICATION,
+    RETURN_NUMBER,
+    NUMBER_OF_RETURNS,
+    POINT_SOURCE_ID,
+    USER_DATA,
+    SCAN_ANGLE,
+    GPS_TIME,
+    NEAR_INFRARED,
+];
+
 /// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
 const POINTS_A_PIECE: u64 = 200_000;
 
@@ -78,6 +102,15 @@ impl Loader for LasLoader {
             });
             pieces.push(piece);
         }
+        let mut names: Vec<String> = NAMES.map(str::to_owned).to_vec();
+        let (mut extras, undescribed) = described(reader.header());
+        // Two columns cannot have one name.
+        for extra in &mut extras {
+            while names.contains(&extra.name) {
+                extra.name.insert_str(0, "extra_");
+            }
+            names.push(extra.name.clone());
+        }
         let plan = Plan {
             colours: match largest_colour {
                 0 => Colours::None,
@@ -87,6 +120,7 @@ impl Loader for LasLoader {
             },
             has_time: format.has_gps_time,
             has_infrared: format.has_nir,
+            extras,
         };
         if format.has_color && largest_colour == 0 {
             out.warn(
@@ -94,9 +128,9 @@ impl Loader for LasLoader {
                 1,
             );
         }
-        if format.extra_bytes > 0 {
+        if undescribed > 0 {
             out.warn(
-                &format!("{} extra bytes a point, of which the format does not say the meaning, are left out", format.extra_bytes),
+                &format!("{undescribed} extra bytes a point, which the file does not describe, are left out"),
                 1,
             );
         }
@@ -124,15 +158,20 @@ struct Plan {
     colours: Colours,
     has_time: bool,
     has_infrared: bool,
+    extras: Vec<Extra>,
 }
 
 impl Plan {
     fn declare(&self, out: &mut Output<'_>, expected: u64) -> Result<()> {
         let mut columns = vec![
             Column::POSITION_F64,
-            Column::named("intensity", ScalarType::U16, 1),
-            Column::named("classification", ScalarType::U8, 1),
-            Column::named("return_number", ScalarType::U8, 1),
+            Column::named(INTENSITY, ScalarType::U16, 1),
+            Column::named(CLASSIFICATION, ScalarType::U8, 1),
+            Column::named(RETURN_NUMBER, ScalarType::U8, 1),
+            Column::named(NUMBER_OF_RETURNS, ScalarType::U8, 1),
+            Column::named(POINT_SOURCE_ID, ScalarType::U16, 1),
+            Column::named(USER_DATA, ScalarType::U8, 1),
+            Column::named(SCAN_ANGLE, ScalarType::F32, 1),
         ];
         match self.colours {
             Colours::None => {}
@@ -140,11 +179,12 @@ impl Plan {
             Colours::Words => columns.push(Column::RGB_U16),
         }
         if self.has_time {
-            columns.push(Column::named("gps_time", ScalarType::F64, 1));
+            columns.push(Column::named(GPS_TIME, ScalarType::F64, 1));
         }
         if self.has_infrared {
-            columns.push(Column::named("near_infrared", ScalarType::U16, 1));
+            columns.push(Column::named(NEAR_INFRARED, ScalarType::U16, 1));
         }
+        columns.extend(self.extras.iter().map(Extra::column));
         out.columns(&columns, expected)
     }
 
@@ -154,6 +194,10 @@ impl Plan {
         let intensities: Vec<u16> = points.intensity().collect();
         let classes: Vec<u8> = points.classification().collect();
         let returns: Vec<u8> = points.return_number().collect();
+        let counts: Vec<u8> = points.number_of_returns().collect();
+        let sources: Vec<u16> = points.point_source_id().collect();
+        let own: Vec<u8> = points.user_data().collect();
+        let angles: Vec<f32> = points.scan_angle_degrees().collect();
         let words: Vec<[u16; 3]> = match self.colours {
             Colours::None => Vec::new(),
             Colours::Bytes | Colours::Words => {
@@ -172,11 +216,16 @@ impl Plan {
         };
         let times: Vec<f64> = points.gps_time().into_iter().flatten().collect();
         let infrared: Vec<u16> = points.nir().into_iter().flatten().collect();
+        let extras: Vec<Vec<u8>> = self.extras.iter().map(|extra| extra.bytes(points)).collect();
         let mut columns = vec![
             bytes_of(&positions),
             bytes_of(&intensities),
             bytes_of(&classes),
             bytes_of(&returns),
+            bytes_of(&counts),
+            bytes_of(&sources),
+            bytes_of(&own),
+            bytes_of(&angles),
         ];
         match self.colours {
             Colours::None => {}
@@ -189,6 +238,7 @@ impl Plan {
         if self.has_infrared {
             columns.push(bytes_of(&infrared));
         }
+        columns.extend(extras.iter().map(Vec::as_slice));
         out.rows(points.len(), &columns)
     }
 }

@@ -3,6 +3,7 @@
 
 mod columns;
 mod e57_scan;
+mod las_extra;
 mod las_scan;
 mod lzf;
 mod pcd;

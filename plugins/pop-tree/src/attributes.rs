@@ -5,14 +5,16 @@
 //! * A leaf's normal is the mean of its vertices' normals where known, as that is what a splat is lit with; else the triangle's.
 //! * An inner node's normal is the mean of its triangles' own normals, weighted by area.
 //! * The cone, round the normal as stored, holds the own normal and the leaf's normal of every triangle below.
-//! * Colours are means in sRGB as stored: what a splat replaces is a texture's filter, and those average so as well.
+//! * Colours are means of linear light, weighted by area: a splat sends what the triangles below it send together.
 
 use crate::mesh::Mesh;
 use crate::node::{
     NO_CONE, Node, decode_half_angle, decode_normal20, encode_half_angle, encode_normal20,
 };
 use bytemuck::{Pod, Zeroable};
+use pointstage_plugin_api::columns::{linear_from_srgb, srgb_from_linear};
 use pointstage_plugin_api::glam::Vec3;
+use std::sync::LazyLock;
 
 /// Weight of a triangle without area, in squares of the grid; what has area outweighs it.
 const LEAST_WEIGHT: f32 = 1e-6;
@@ -23,7 +25,11 @@ const LEAST_SINE: f64 = 1e-12;
 /// Rounding of an angle computed in f32, and more: what is added before a half-angle is rounded up; radians.
 const ANGLE_ROUNDING: f32 = 1e-5;
 
-/// Colour of a mesh that has none.
+/// Linear light of sRGB bytes.
+static LIGHT: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
+
+/// Colour of a mesh that has none, sRGB.
 const GREY: Vec3 = Vec3::splat(0.5);
 
 /// Sums over the triangles below a node, to take means from.
@@ -34,8 +40,8 @@ pub(crate) struct Sums {
     normal: [f32; 3],
     /// Of the weights: areas, in squares of the grid.
     weight: f32,
-    /// Of colours times weights.
-    colour: [f32; 3],
+    /// Of linear light times weights.
+    light: [f32; 3],
     /// 1 if any triangle has a normal; else the node's normal is arbitrary, and no cone need hold it.
     directed: u32,
 }
@@ -68,16 +74,16 @@ pub(crate) fn of_triangle(
     let normal_code = encode_normal20(vertex_normal.or(own).unwrap_or(Vec3::Z));
     let half_angle = own.map_or(0.0, |own| angle(own, decode_normal20(normal_code)));
     let weight = area.max(LEAST_WEIGHT);
-    let colour = colour_of(mesh, corners);
+    let light = light_of(mesh, corners);
     let attributes = Attributes {
         normal_code,
         cone_code: encode_half_angle(half_angle + ANGLE_ROUNDING),
-        colour: colour.to_array(),
+        colour: as_srgb(light),
     };
     let sums = Sums {
         normal: (own.unwrap_or(Vec3::ZERO) * weight).to_array(),
         weight,
-        colour: (colour * weight).to_array(),
+        light: (light * weight).to_array(),
         directed: u32::from(own.is_some()),
     };
     (attributes, sums)
@@ -85,11 +91,11 @@ pub(crate) fn of_triangle(
 
 /// Those of an inner node.
 pub(crate) fn of_children(children: &[Node], sums: &[Sums]) -> (Attributes, Sums) {
-    let (mut normal, mut colour) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut normal, mut light) = (Vec3::ZERO, Vec3::ZERO);
     let (mut weight, mut directed) = (0.0, 0);
     for sums in sums {
         normal += Vec3::from_array(sums.normal);
-        colour += Vec3::from_array(sums.colour);
+        light += Vec3::from_array(sums.light);
         weight += sums.weight;
         directed |= sums.directed;
     }
@@ -111,12 +117,12 @@ pub(crate) fn of_children(children: &[Node], sums: &[Sums]) -> (Attributes, Sums
     let attributes = Attributes {
         normal_code,
         cone_code,
-        colour: (colour / weight).to_array(),
+        colour: as_srgb(light / weight),
     };
     let sums = Sums {
         normal: normal.to_array(),
         weight,
-        colour: colour.to_array(),
+        light: light.to_array(),
         directed,
     };
     (attributes, sums)
@@ -152,12 +158,25 @@ fn face(positions: [Vec3; 3], step: f64) -> (Option<Vec3>, f32) {
     }
 }
 
-/// Mean of the vertices' colours.
-fn colour_of(mesh: &Mesh<'_>, corners: [u32; 3]) -> Vec3 {
+/// Mean of the vertices' light, linear.
+fn light_of(mesh: &Mesh<'_>, corners: [u32; 3]) -> Vec3 {
     let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-    for colour in corners.iter().filter_map(|&corner| mesh.colour(corner)) {
-        sum += colour;
+    for packed in corners
+        .iter()
+        .filter_map(|&corner| mesh.packed_colour(corner))
+    {
+        let [red, green, blue, _] = packed.to_le_bytes().map(usize::from);
+        sum += Vec3::new(LIGHT[red], LIGHT[green], LIGHT[blue]);
         count += 1.0;
     }
-    if count > 0.0 { sum / count } else { GREY }
+    if count > 0.0 {
+        sum / count
+    } else {
+        GREY.map(linear_from_srgb)
+    }
+}
+
+/// The colour of linear light, sRGB, 0 to 1.
+fn as_srgb(light: Vec3) -> [f32; 3] {
+    light.map(srgb_from_linear).to_array()
 }

@@ -28,7 +28,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 const MAGIC: [u8; 8] = *b"POPTREE\0";
-const VERSION: u32 = 1;
+/// 2: colours of nodes are means of linear light.
+const VERSION: u32 = 2;
 
 const GRID_AT: usize = 44;
 const COUNTS_AT: usize = 60;

@@ -63,13 +63,6 @@ impl<'a> Mesh<'a> {
         (bits != columns::NO_NORMAL).then(|| columns::decode_normal(bits))
     }
 
-    /// Colour of a vertex, sRGB, 0 to 1; none if the mesh has none.
-    #[inline]
-    pub fn colour(&self, vertex: u32) -> Option<Vec3> {
-        let bits = self.packed_colour(vertex)?;
-        Some(columns::decode_colour(bits).truncate())
-    }
-
     fn find(&self, vertex: u32) -> Option<(&VertexBlock<'a>, usize)> {
         match self.blocks {
             [block] => Some((block, vertex as usize)),

@@ -3,7 +3,7 @@
 mod meshes;
 
 use meshes::{Columns, any_mesh, colour, inward_sphere, sheet, slivers};
-use pointstage_plugin_api::columns;
+use pointstage_plugin_api::columns::{self, linear_from_srgb, srgb_from_linear};
 use pointstage_plugin_api::glam::{DVec3, Vec3};
 use pointstage_pop_tree::{BuildError, NO_CONE, Node, Tree, build, decode_half_angle};
 use proptest::prelude::*;
@@ -158,10 +158,10 @@ fn check_cones(mesh: &Columns, tree: &Tree) {
     }
 }
 
-/// Normals and colours of nodes are means weighted by area; for meshes of triangles that all have area.
+/// Normals and colours of nodes are means weighted by area, colours as light; for meshes of triangles that all have area.
 fn check_means(mesh: &Columns, tree: &Tree) {
     for (number, node) in tree.nodes.iter().enumerate() {
-        let (mut normal, mut colours, mut weight) = (DVec3::ZERO, Vec3::ZERO, 0.0);
+        let (mut normal, mut light, mut weight) = (DVec3::ZERO, Vec3::ZERO, 0.0);
         for leaf in &tree.nodes[leaves_below(tree, number)] {
             let (own, area) = face(mesh, leaf.link()).expect("a triangle with area");
             normal += own * area;
@@ -170,11 +170,12 @@ fn check_means(mesh: &Columns, tree: &Tree) {
             let mean = mesh.colours.as_ref().map(|colours| {
                 vertices
                     .iter()
-                    .map(|&vertex| colour(colours[vertex as usize]))
+                    .map(|&vertex| colour(colours[vertex as usize]).map(linear_from_srgb))
                     .sum::<Vec3>()
                     / 3.0
             });
-            colours += mean.unwrap_or(Vec3::splat(0.5)) * area as f32;
+            let grey = Vec3::splat(linear_from_srgb(0.5));
+            light += mean.unwrap_or(grey) * area as f32;
         }
         if number >= tree.first_leaf() as usize {
             let vertex = vertex_normal(mesh, node.link()).map(Vec3::as_dvec3);
@@ -186,7 +187,7 @@ fn check_means(mesh: &Columns, tree: &Tree) {
             .angle_between(normal.normalize())
             .to_degrees();
         assert!(off < 0.3, "node {number} is off by {off} degrees");
-        let off = (Vec3::from_array(node.colour()) - colours / weight).abs();
+        let off = (Vec3::from_array(node.colour()) - (light / weight).map(srgb_from_linear)).abs();
         assert!(
             off.max_element() < 1.0 / 126.0 + 1e-4 && off.y < 1.0 / 254.0 + 1e-4,
             "node {number} is off by {off}"

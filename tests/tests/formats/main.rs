@@ -9,6 +9,7 @@ mod convert;
 mod damage;
 mod meshes;
 mod points;
+mod scans;
 mod shared_points;
 mod small;
 mod textures;
