@@ -1,19 +1,18 @@
 //! E57 (ASTM E2807): the scans of a file as one object, each where its pose puts it.
 //!
-//! Normals are those of the extension for surface normals (`nor:normalX` and so on), turned by the scan's pose. The library's reader of
-//! points passes over extensions, so a second one reads the same scan's raw values alongside.
+//! The library's reader of raw values is taken: the other one knows no extensions, and stops at a packet that completes no point.
 
 use std::io::Cursor;
 
-use e57::{CartesianCoordinate, E57Reader, PointCloud, Quaternion, RecordName, RecordValue};
+use e57::{E57Reader, PointCloud};
 use pointstage_plugin_api::abi::ScalarType;
-use pointstage_plugin_api::glam::{DQuat, DVec3};
 use pointstage_plugin_api::loading::{
     Claim, Column, FileStart, Loader, Output, SourceFile, bytes_of,
 };
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
 use crate::columns::RUN;
+use crate::e57_point::{Fields, Found};
 
 /// The loader of E57 files.
 pub struct E57Loader;
@@ -50,12 +49,6 @@ impl Loader for E57Loader {
             )));
         }
         let mut run = Run::new(&scans);
-        let mut extended = if run.has_normal {
-            let again = E57Reader::new(Cursor::new(file.bytes));
-            Some(again.map_err(|error| Error::failed(whole_message(&error)))?)
-        } else {
-            None
-        };
         run.declare(out, expected)?;
         let (mut read, mut invalid) = (0_u64, 0_u64);
         for (number, scan) in scans.iter().enumerate() {
@@ -69,38 +62,24 @@ impl Loader for E57Loader {
                     whole_message(error)
                 ))
             };
-            let mut points = reader
-                .pointcloud_simple(scan)
+            let fields = Fields::of(scan);
+            let points = reader
+                .pointcloud_raw(scan)
                 .map_err(|error| fail(&error, 0))?;
-            points.intensity_to_color(false);
-            points.normalize_intensity(false);
-            let mut normals = match (&mut extended, Normals::of(scan)) {
-                (Some(reader), Some(normals)) => {
-                    let raw = reader.pointcloud_raw(scan);
-                    Some((normals, raw.map_err(|error| fail(&error, 0))?))
-                }
-                _ => None,
-            };
-            for (index, point) in points.enumerate() {
-                let point = point.map_err(|error| fail(&error, index as u64))?;
-                let normal = match &mut normals {
-                    Some((normals, raw)) => match raw.next() {
-                        Some(Ok(values)) => normals.read(&values),
-                        Some(Err(error)) => return Err(fail(&error, index as u64)),
-                        None => [0.0; 3],
-                    },
-                    None => [0.0; 3],
-                };
+            for (index, values) in points.enumerate() {
+                let point = values
+                    .and_then(|values| fields.read(&values))
+                    .map_err(|error| fail(&error, index as u64))?;
                 read += 1;
                 if read.is_multiple_of(RUN as u64) {
                     progress.check()?;
                     progress.set((read as f64 / expected as f64) as f32, "reading scans");
                 }
-                let CartesianCoordinate::Valid { x, y, z } = point.cartesian else {
+                let Some(position) = point.position else {
                     invalid += 1;
                     continue;
                 };
-                run.push([x, y, z], normal, &point, number);
+                run.push(position, &point, number);
                 if run.positions.len() == RUN {
                     run.flush(out)?;
                 }
@@ -126,46 +105,6 @@ fn whole_message(error: &e57::Error) -> String {
     text
 }
 
-/// Where a scan keeps its normals, and what turns them into the file's axes.
-struct Normals<'s> {
-    scan: &'s PointCloud,
-    places: [usize; 3],
-    turn: DQuat,
-}
-
-impl<'s> Normals<'s> {
-    /// `None` for a scan without normals.
-    fn of(scan: &'s PointCloud) -> Option<Self> {
-        let place = |wanted: &str| {
-            scan.prototype.iter().position(|record| {
-                matches!(&record.name, RecordName::Unknown { name, .. } if name == wanted)
-            })
-        };
-        let places = [place("normalX")?, place("normalY")?, place("normalZ")?];
-        let turn = scan.transform.as_ref().map_or(DQuat::IDENTITY, |pose| {
-            let Quaternion { w, x, y, z } = pose.rotation.clone();
-            DQuat::from_xyzw(x, y, z, w).normalize()
-        });
-        Some(Self {
-            scan,
-            places,
-            turn,
-        })
-    }
-
-    /// Of a point's raw values; zeros, which the host replaces, where a number cannot be read.
-    fn read(&self, values: &[RecordValue]) -> [f32; 3] {
-        let value = |place: usize| {
-            let kind = &self.scan.prototype.get(place)?.data_type;
-            values.get(place)?.to_f64(kind).ok()
-        };
-        let [x, y, z] = self.places.map(value);
-        let normal = x.zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z));
-        let turned = normal.map_or(DVec3::ZERO, |normal| self.turn * normal);
-        turned.as_vec3().to_array()
-    }
-}
-
 /// Points that have not been handed over yet.
 struct Run {
     has_normal: bool,
@@ -182,7 +121,7 @@ struct Run {
 impl Run {
     fn new(scans: &[PointCloud]) -> Self {
         Self {
-            has_normal: scans.iter().any(|scan| Normals::of(scan).is_some()),
+            has_normal: scans.iter().any(|scan| Fields::of(scan).has_normal()),
             has_colour: scans.iter().any(PointCloud::has_color),
             has_intensity: scans.iter().any(PointCloud::has_intensity),
             has_scans: scans.len() > 1,
@@ -215,16 +154,14 @@ impl Run {
         out.columns(&columns, expected)
     }
 
-    fn push(&mut self, position: [f64; 3], normal: [f32; 3], point: &e57::Point, scan: usize) {
+    fn push(&mut self, position: [f64; 3], point: &Found, scan: usize) {
         self.positions.push(position);
         if self.has_normal {
-            self.normals.push(normal);
+            self.normals.push(point.normal);
         }
         if self.has_colour {
             // White where a scan, or a point, has none.
-            let colour = point.color.as_ref();
-            self.colours
-                .push(colour.map_or([1.0; 3], |colour| [colour.red, colour.green, colour.blue]));
+            self.colours.push(point.colour.unwrap_or([1.0; 3]));
         }
         if self.has_intensity {
             self.intensities.push(point.intensity.unwrap_or(f32::NAN));

@@ -115,9 +115,9 @@ impl Kind {
 /// The values that a file describes, and how many of its extra bytes it does not.
 pub(crate) fn described(header: &Header) -> (Vec<Extra>, usize) {
     let length = usize::from(header.point_format().extra_bytes);
-    let description = header
-        .all_vlrs()
-        .find(|record| record.user_id.trim_end_matches('\0') == "LASF_Spec" && record.record_id == 4);
+    let description = header.all_vlrs().find(|record| {
+        record.user_id.trim_end_matches('\0') == "LASF_Spec" && record.record_id == 4
+    });
     let bytes = description.map_or(&[][..], |record| &record.data);
     read(bytes, length)
 }
@@ -245,7 +245,10 @@ mod tests {
             .iter()
             .map(|extra| (extra.name.as_str(), extra.offset, extra.components))
             .collect();
-        assert_eq!(facts, [("amplitude", 0, 1), ("height", 5, 1), ("extra_2", 7, 3)]);
+        assert_eq!(
+            facts,
+            [("amplitude", 0, 1), ("height", 5, 1), ("extra_2", 7, 3)]
+        );
         let mut values = Vec::new();
         found[1].write(0, &(-3_i16).to_le_bytes(), &mut values);
         assert_eq!(values, 98.5_f64.to_ne_bytes());

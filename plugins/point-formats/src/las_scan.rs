@@ -216,7 +216,11 @@ impl Plan {
         };
         let times: Vec<f64> = points.gps_time().into_iter().flatten().collect();
         let infrared: Vec<u16> = points.nir().into_iter().flatten().collect();
-        let extras: Vec<Vec<u8>> = self.extras.iter().map(|extra| extra.bytes(points)).collect();
+        let extras: Vec<Vec<u8>> = self
+            .extras
+            .iter()
+            .map(|extra| extra.bytes(points))
+            .collect();
         let mut columns = vec![
             bytes_of(&positions),
             bytes_of(&intensities),

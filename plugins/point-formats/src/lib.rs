@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod columns;
+mod e57_point;
 mod e57_scan;
 mod las_extra;
 mod las_scan;

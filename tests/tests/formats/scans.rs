@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use e57::{E57Writer, Extension, Quaternion, Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
+use e57::{
+    E57Writer, Extension, Quaternion, Record, RecordDataType, RecordName, RecordValue, Transform,
+    Translation,
+};
 use glam::Vec3;
 use las::point::{Classification, Format};
 use las::raw::point::Waveform;
@@ -64,7 +67,9 @@ fn write_las(path: &Path, format: u8, version: (u8, u8), is_compressed: bool) ->
             user_data: small,
             point_source_id: index as u16 + 1,
             gps_time: point_format.has_gps_time.then(|| f64::from(index) * 0.125),
-            color: point_format.has_color.then(|| Color::new(65535, index as u16, 0)),
+            color: point_format
+                .has_color
+                .then(|| Color::new(65535, index as u16, 0)),
             nir: point_format.has_nir.then_some(index as u16 + 7),
             waveform: point_format.has_waveform.then(Waveform::default),
             extra_bytes: [
@@ -97,7 +102,10 @@ fn las_of_every_point_format_has_its_columns_compressed_or_not() -> Result<()> {
             write_las(&path, format, version, is_compressed).with_context(|| what.clone())?;
             let loaded = load_as_it_is(&loaders, &path).with_context(|| what.clone())?;
             assert_eq!(loaded.loader.alias, "las");
-            assert_eq!(loaded.object.geometry.surfel_count, POINTS as usize, "{what}");
+            assert_eq!(
+                loaded.object.geometry.surfel_count, POINTS as usize,
+                "{what}"
+            );
             check_las(&loaded, Format::new(format)?, &what);
         }
     }
@@ -134,8 +142,16 @@ fn check_las(loaded: &Loaded, format: Format, what: &str) {
     }
     let named = &loaded.object.geometry.blocks[0].named;
     let height = named.iter().find(|column| &*column.name == "height");
-    assert_eq!(height.map(|column| column.scalar), Some(ScalarType::F64), "{what}");
-    assert!(loaded.warnings.is_empty(), "{what}: {}", lines(&loaded.warnings));
+    assert_eq!(
+        height.map(|column| column.scalar),
+        Some(ScalarType::F64),
+        "{what}"
+    );
+    assert!(
+        loaded.warnings.is_empty(),
+        "{what}: {}",
+        lines(&loaded.warnings)
+    );
 }
 
 fn normal_record(name: &str) -> Record {
@@ -171,8 +187,17 @@ fn write_e57(path: &Path) -> Result<()> {
     let mut scan = writer.add_pointcloud("first", prototype)?;
     let half = std::f64::consts::FRAC_1_SQRT_2;
     scan.set_transform(Some(Transform {
-        rotation: Quaternion { w: half, x: 0.0, y: 0.0, z: half },
-        translation: Translation { x: 100.0, y: 0.0, z: 0.0 },
+        rotation: Quaternion {
+            w: half,
+            x: 0.0,
+            y: 0.0,
+            z: half,
+        },
+        translation: Translation {
+            x: 100.0,
+            y: 0.0,
+            z: 0.0,
+        },
     }));
     for (x, state) in [(1.0, 0), (2.0, 2), (3.0, 0)] {
         let mut values = [x, 0.0, 5.0].map(RecordValue::Double).to_vec();
@@ -198,26 +223,39 @@ fn write_e57(path: &Path) -> Result<()> {
 }
 
 #[test]
-fn e57_puts_scans_where_their_poses_do_with_normals_turned_and_invalid_points_left_out() -> Result<()>
-{
+fn e57_puts_scans_where_their_poses_do_with_normals_turned_and_invalid_points_left_out()
+-> Result<()> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("a.e57");
     write_e57(&path)?;
     let loaded = load_as_it_is(&first_party()?, &path)?;
     let geometry = &loaded.object.geometry;
     assert_eq!(geometry.surfel_count, 3);
-    for (point, expected) in [[100.0, 1.0, 5.0], [100.0, 3.0, 5.0], [7.0, 8.0, 9.0]].iter().enumerate() {
+    for (point, expected) in [[100.0, 1.0, 5.0], [100.0, 3.0, 5.0], [7.0, 8.0, 9.0]]
+        .iter()
+        .enumerate()
+    {
         let found = at(&loaded, point);
         let off = glam::DVec3::from(found).distance(glam::DVec3::from(*expected));
         assert!(off < 1e-5, "{found:?}, expected {expected:?}");
     }
     let normal = |point| geometry.blocks[0].normal_at(point);
-    assert!(normal(1).is_some_and(|normal| normal.distance(Vec3::Y) < 1e-3), "{:?}", normal(1));
+    assert!(
+        normal(1).is_some_and(|normal| normal.distance(Vec3::Y) < 1e-3),
+        "{:?}",
+        normal(1)
+    );
     assert_eq!(normal(2), None, "the second scan has none");
     assert_eq!(value(&loaded, "intensity", 1, 0), Some(0.75));
     assert!(value(&loaded, "intensity", 2, 0).is_some_and(f64::is_nan));
-    assert_eq!((value(&loaded, "scan", 1, 0), value(&loaded, "scan", 2, 0)), (Some(0.0), Some(1.0)));
+    assert_eq!(
+        (value(&loaded, "scan", 1, 0), value(&loaded, "scan", 2, 0)),
+        (Some(0.0), Some(1.0))
+    );
     assert_eq!(colours(&loaded), [[255; 3], [255; 3], [200, 100, 0]]);
-    assert!(lines(&loaded.warnings).contains("1 surfel") || lines(&loaded.warnings).contains("left out"));
+    assert!(
+        lines(&loaded.warnings).contains("1 surfel")
+            || lines(&loaded.warnings).contains("left out")
+    );
     Ok(())
 }
