@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::{Align2, Context, Key, TextEdit, Window};
 
-use pointstage_scene::Loaders;
+use pointstage_scene::{Loaders, ObjectId, SaveFormat};
 
 use super::intent::{ExportIntent, FileIntent, Intents, OpenMode, Overwrite};
 use crate::session_file::SUFFIX;
@@ -18,6 +18,8 @@ pub(crate) enum Asked {
     Open(OpenMode),
     /// The file that a session is saved to; the dialog starts with this one.
     Save(PathBuf),
+    /// The file that an object is saved to; the dialog starts with this one.
+    SaveObject(ObjectId, PathBuf),
     /// Where an image goes; the dialog starts with this place.
     SaveImage(PathBuf),
 }
@@ -63,6 +65,17 @@ impl FileDialog {
                             out.push(FileIntent::SaveSession(path, Overwrite::Agreed));
                         }
                     }
+                    Asked::SaveObject(id, _) => {
+                        if let Some(path) = files.pop() {
+                            // A name that got its ending is another file, which nobody was asked about.
+                            let overwrite = if object_path(path.clone()) == path {
+                                Overwrite::Agreed
+                            } else {
+                                Overwrite::Ask
+                            };
+                            out.push(FileIntent::SaveObject(*id, path, overwrite));
+                        }
+                    }
                     Asked::SaveImage(_) => {
                         if let Some(path) = files.pop() {
                             out.push(ExportIntent::SetPath(path));
@@ -100,6 +113,13 @@ fn ask_system(asked: &Asked, loaders: &Loaders) -> Vec<PathBuf> {
             let dialog = dialog
                 .set_title("Save session")
                 .add_filter("Sessions", &["toml"]);
+            ask_where(dialog, path)
+        }
+        Asked::SaveObject(_, path) => {
+            let dialog = dialog
+                .set_title("Save object")
+                .add_filter("PLY: everything", &["ply"])
+                .add_filter("SFL: surfels", &["sfl"]);
             ask_where(dialog, path)
         }
         Asked::SaveImage(path) => {
@@ -153,6 +173,11 @@ enum Purpose {
     Save {
         replaces: Option<PathBuf>,
     },
+    /// Save an object, likewise.
+    SaveObject {
+        id: ObjectId,
+        replaces: Option<PathBuf>,
+    },
 }
 
 impl PathField {
@@ -174,7 +199,26 @@ impl PathField {
         }
     }
 
+    /// A field for the file that an object is saved to.
+    pub(crate) fn save_object(id: ObjectId, suggested: &Path) -> Self {
+        Self {
+            purpose: Purpose::SaveObject { id, replaces: None },
+            ..Self::save(suggested)
+        }
+    }
+
     /// The same, after it was found that `path` is there.
+    pub(crate) fn replace_object(id: ObjectId, path: &Path) -> Self {
+        Self {
+            purpose: Purpose::SaveObject {
+                id,
+                replaces: Some(path.to_path_buf()),
+            },
+            ..Self::save(path)
+        }
+    }
+
+    /// The same for a session, after it was found that `path` is there.
     pub(crate) fn replace(path: &Path) -> Self {
         Self {
             purpose: Purpose::Save {
@@ -192,6 +236,9 @@ impl PathField {
             Purpose::Open(OpenMode::Replace) => ("Open path", "Path of a file:", "Open"),
             Purpose::Open(OpenMode::Add) => ("Add path to scene", "Path of a file:", "Open"),
             Purpose::Save { .. } => ("Save session", "Path of the session file:", "Save"),
+            Purpose::SaveObject { .. } => {
+                ("Save object", "Path of the file, .ply or .sfl:", "Save")
+            }
         };
         Window::new(title)
             .open(&mut is_open)
@@ -218,10 +265,18 @@ impl PathField {
                         out.push(self.answer());
                         is_done = true;
                     }
-                    if matches!(self.purpose, Purpose::Save { .. })
+                    let path = typed_path(&self.text);
+                    let browse = match self.purpose {
+                        Purpose::Open(_) => None,
+                        Purpose::Save { .. } => Some(FileIntent::ChooseSessionFile(path)),
+                        Purpose::SaveObject { id, .. } => {
+                            Some(FileIntent::ChooseObjectFile(id, path))
+                        }
+                    };
+                    if let Some(browse) = browse
                         && ui.button("Browse…").clicked()
                     {
-                        out.push(FileIntent::ChooseSessionFile(typed_path(&self.text)));
+                        out.push(browse);
                         is_done = true;
                     }
                     is_done |= ui.button("Close").clicked();
@@ -232,10 +287,14 @@ impl PathField {
 
     /// What saving would replace.
     fn note_ui(&self, ui: &mut egui::Ui) {
-        if let Purpose::Save {
-            replaces: Some(path),
-        } = &self.purpose
-            && session_path(typed_path(&self.text)) == *path
+        let typed = typed_path(&self.text);
+        let (replaces, meant) = match &self.purpose {
+            Purpose::Open(_) => return,
+            Purpose::Save { replaces } => (replaces, session_path(typed)),
+            Purpose::SaveObject { replaces, .. } => (replaces, object_path(typed)),
+        };
+        if let Some(path) = replaces
+            && meant == *path
         {
             let name = path.file_name().unwrap_or(path.as_os_str());
             ui.label(format!(
@@ -259,6 +318,15 @@ impl PathField {
                 };
                 FileIntent::SaveSession(path, overwrite)
             }
+            Purpose::SaveObject { id, replaces } => {
+                let path = object_path(path);
+                let overwrite = if replaces.as_ref() == Some(&path) {
+                    Overwrite::Agreed
+                } else {
+                    Overwrite::Ask
+                };
+                FileIntent::SaveObject(*id, path, overwrite)
+            }
         }
     }
 }
@@ -274,6 +342,17 @@ pub(crate) fn typed_path(text: &str) -> PathBuf {
         return home.join(rest);
     }
     PathBuf::from(text)
+}
+
+/// The path of an object's file, absolute; a name without the ending of a format gets that of PLY.
+pub(crate) fn object_path(path: PathBuf) -> PathBuf {
+    let path = std::path::absolute(&path).unwrap_or(path);
+    if SaveFormat::of_name(&path).is_some() {
+        return path;
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".ply");
+    path.with_file_name(name)
 }
 
 /// The path of a session file, absolute; a name that does not end in `.toml` gets the ending of sessions.
@@ -299,6 +378,27 @@ mod tests {
         for text in ["/a b.ply", " /a b.ply\n", "\"/a b.ply\"", "file:///a b.ply"] {
             assert_eq!(typed_path(text), PathBuf::from("/a b.ply"), "{text:?}");
         }
+    }
+
+    #[test]
+    fn an_object_s_name_gets_its_ending_and_its_file_is_replaced_when_said_twice() {
+        for (typed, expected) in [
+            ("/a/b", "/a/b.ply"),
+            ("/a/b.sfl", "/a/b.sfl"),
+            ("/a/b.v2", "/a/b.v2.ply"),
+        ] {
+            assert_eq!(object_path(typed.into()), PathBuf::from(expected));
+        }
+        let (id, path) = (ObjectId::next(), Path::new("/a/b.ply"));
+        let saved = |overwrite| FileIntent::SaveObject(id, path.to_path_buf(), overwrite);
+        assert_eq!(
+            PathField::save_object(id, path).answer(),
+            saved(Overwrite::Ask)
+        );
+        assert_eq!(
+            PathField::replace_object(id, path).answer(),
+            saved(Overwrite::Agreed)
+        );
     }
 
     #[test]

@@ -355,6 +355,7 @@ impl App {
                     warnings: &session.warnings,
                     active: session.active_object(),
                     material: session.material,
+                    neighbours: session.neighbours,
                 };
                 scene::scene_ui(ui, &tab, out);
             }

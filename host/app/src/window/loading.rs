@@ -8,6 +8,7 @@ use pointstage_scene::{
     Winding, load_with,
 };
 
+use super::apply::{Estimated, ObjectSaved};
 use super::intent::{OpenMode, SceneIntent};
 use super::log::{Log, Offer};
 use super::selecting::{Found, Pieces};
@@ -36,6 +37,12 @@ pub(crate) enum Finished {
     Loaded(Box<Loaded>, Place),
     /// Objects made one.
     Merged(Box<Merged>),
+    /// An object with columns estimated anew.
+    Estimated(Box<Estimated>),
+    /// An object in a file.
+    ObjectSaved(Box<ObjectSaved>),
+    /// What the user does not want any more, in words.
+    Stopped(String),
     /// A session with its objects.
     Session(Box<OpenedSession>),
     /// Stopped by the user.

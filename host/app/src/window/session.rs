@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pointstage_engine::stage::{Background, SettingValues, Show};
+use pointstage_scene::estimate::DEFAULT_NEIGHBOURS;
 use pointstage_scene::{Camera, Lights, Material, NearClipping, Object, ObjectId, Scene, Warnings};
 
 use super::comparison::Comparison;
@@ -35,6 +36,8 @@ pub(crate) struct Session {
     pub(crate) presets: Presets,
     /// How often it is drawn.
     pub(crate) pacing: Pacing,
+    /// Neighbours that a point is compared with where columns are estimated anew.
+    pub(crate) neighbours: usize,
     /// Views that were kept.
     pub(crate) views: StoredViews,
     /// How camera and settings change over time.
@@ -105,6 +108,7 @@ impl Session {
             material: Material::default(),
             presets: Presets::new(),
             pacing: Pacing::default(),
+            neighbours: DEFAULT_NEIGHBOURS,
             views: StoredViews::default(),
             path: MotionPath::default(),
         }

@@ -1,6 +1,7 @@
 //! The *Edit* menu: undo, redo, resets, the selection, and what is done with selected objects.
 
 use egui::{Key, Modifiers};
+use pointstage_scene::estimate::{DEFAULT_NEIGHBOURS, Steps};
 
 use super::{Action, COMMAND_SHIFT, Menu, Place, Scope};
 use crate::window::app::App;
@@ -10,8 +11,71 @@ pub(super) fn actions(app: &App) -> Vec<Action> {
     let mut actions = steps(app);
     actions.extend(resets(app));
     actions.extend(selection(app));
+    actions.extend(estimates(app));
     actions
 }
+
+/// Columns of the selected objects, or of all, anew.
+fn estimates(app: &App) -> Vec<Action> {
+    let place = Place::new(Menu::Edit, 3).within("Estimate");
+    let is_empty = app.session.scene.objects().is_empty();
+    ESTIMATES
+        .iter()
+        .map(|(id, title, steps)| {
+            let steps = Steps {
+                neighbours: app.session.neighbours,
+                ..*steps
+            };
+            let nothing = is_empty.then(|| "The scene is empty.".to_owned());
+            Action::new(*id, *title, place, SceneIntent::EstimateAnew(steps)).unless(nothing)
+        })
+        .collect()
+}
+
+/// No step yet.
+const NO_STEP: Steps = Steps {
+    normals: false,
+    orientation: false,
+    radii: false,
+    axes: false,
+    neighbours: DEFAULT_NEIGHBOURS,
+};
+
+/// What can be estimated: id, title, steps.
+pub(crate) const ESTIMATES: [(&str, &str, Steps); 4] = [
+    (
+        "edit.estimate_normals",
+        "Estimate normals",
+        Steps {
+            normals: true,
+            ..NO_STEP
+        },
+    ),
+    (
+        "edit.orient_normals",
+        "Orient normals",
+        Steps {
+            orientation: true,
+            ..NO_STEP
+        },
+    ),
+    (
+        "edit.estimate_radii",
+        "Estimate radii",
+        Steps {
+            radii: true,
+            ..NO_STEP
+        },
+    ),
+    (
+        "edit.estimate_axes",
+        "Estimate axes",
+        Steps {
+            axes: true,
+            ..NO_STEP
+        },
+    ),
+];
 
 /// Ctrl+Z belongs to the text while one is typed.
 fn steps(app: &App) -> Vec<Action> {

@@ -130,6 +130,13 @@ fn session_actions(app: &App) -> Vec<Action> {
         .is_none()
         .then(|| "the session has no file yet: save it first".to_owned());
     vec![
+        Action::new(
+            "file.save_object",
+            "Save object as…",
+            place,
+            FileIntent::SaveObjectAs,
+        )
+        .unless(nothing.clone()),
         Action::new("file.reload", "Reload", place, FileIntent::Reload)
             .keys(Modifiers::COMMAND, Key::R)
             .unless(nothing),

@@ -21,6 +21,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use super::app::App;
 use super::intent::Intent;
 
+pub(crate) use edit::ESTIMATES;
 pub(crate) use file::title_of_recent;
 pub(crate) use keys::{read_keys, shortcut_text};
 pub(crate) use own_keys::conflicts;

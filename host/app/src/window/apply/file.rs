@@ -37,6 +37,11 @@ impl App {
                 Some(path) => self.save_session(path, Overwrite::Agreed),
                 None => self.path_field = Some(PathField::save(&self.suggested_session_path())),
             },
+            FileIntent::SaveObjectAs => self.ask_for_object_file(),
+            FileIntent::ChooseObjectFile(id, path) => {
+                self.choose_files(Asked::SaveObject(id, path));
+            }
+            FileIntent::SaveObject(id, path, overwrite) => self.save_object(id, path, overwrite),
             FileIntent::CopyBugReport => {
                 ctx.copy_text(self.bug_report());
                 let text = "The bug report is on the clipboard. Read it through, and add what happened, before you send it.";

@@ -3,6 +3,7 @@
 mod camera;
 mod compare;
 mod edit;
+mod estimate;
 mod export;
 mod file;
 mod inspect;
@@ -11,6 +12,7 @@ mod objects;
 mod path;
 mod plugins;
 mod renderer;
+mod save_object;
 mod scene;
 mod select;
 mod view;
@@ -22,6 +24,8 @@ use egui::Context;
 use super::app::App;
 use super::intent::Intent;
 
+pub(super) use estimate::Estimated;
+pub(super) use save_object::ObjectSaved;
 pub(super) use views::take_pasted;
 
 impl App {

@@ -140,4 +140,4 @@ fn name_of_copy(name: &str, taken: &[&str]) -> String {
 
 #[cfg(test)]
 #[path = "objects_tests.rs"]
-mod tests;
+pub(super) mod tests;

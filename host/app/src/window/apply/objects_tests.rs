@@ -8,7 +8,7 @@ use super::*;
 use crate::window::app_tests::{wait_until, window};
 use crate::window::intent::{EditIntent, Intent, SceneIntent};
 
-fn object(name: &str, x: f32) -> Object {
+pub(super) fn object(name: &str, x: f32) -> Object {
     let block = Block {
         position_radius: Arc::from([[x, 0.0, 0.0, 1.0], [x, 1.0, 0.0, 1.0]]),
         ..Block::default()
@@ -21,7 +21,7 @@ fn object(name: &str, x: f32) -> Object {
 }
 
 /// A window with two objects.
-fn desk() -> (Harness<'static, App>, [ObjectId; 2]) {
+pub(super) fn desk() -> (Harness<'static, App>, [ObjectId; 2]) {
     let mut harness = window();
     // Before that, nothing is a step that can be undone.
     wait_until(&mut harness, |harness| {
@@ -34,7 +34,7 @@ fn desk() -> (Harness<'static, App>, [ObjectId; 2]) {
     (harness, ids)
 }
 
-fn apply(harness: &mut Harness<'static, App>, intent: impl Into<Intent>) {
+pub(super) fn apply(harness: &mut Harness<'static, App>, intent: impl Into<Intent>) {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, intent.into());
     harness.run_steps(2);

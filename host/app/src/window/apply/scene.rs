@@ -14,6 +14,8 @@ impl App {
     pub(super) fn apply_scene(&mut self, intent: SceneIntent) {
         match intent {
             SceneIntent::Estimate => self.estimate(),
+            SceneIntent::EstimateAnew(steps) => self.estimate_anew(steps),
+            SceneIntent::SetNeighbours(count) => self.session.neighbours = count,
             SceneIntent::Flip(id) => self.flip(id),
             SceneIntent::SetVisible(id, visible) => {
                 self.session

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use pointstage_scene::ObjectId;
+
 use crate::window::tasks::TaskId;
 
 /// What to do with files.
@@ -25,6 +27,12 @@ pub(crate) enum FileIntent {
     SaveSession(PathBuf, Overwrite),
     /// Write the session to the file that it came from or went to last.
     SaveSessionAgain,
+    /// Show the field for the path of the active object's file.
+    SaveObjectAs,
+    /// Show the system's dialog for an object's file.
+    ChooseObjectFile(ObjectId, PathBuf),
+    /// Write an object to this file.
+    SaveObject(ObjectId, PathBuf, Overwrite),
     /// Put versions, plugins, session and messages on the clipboard.
     CopyBugReport,
     /// Stop a task.

@@ -2,12 +2,17 @@
 
 use glam::DAffine3;
 use pointstage_scene::ObjectId;
+use pointstage_scene::estimate::Steps;
 
 /// What to do with objects.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum SceneIntent {
     /// Estimate normals and radii of every object that lacks them.
     Estimate,
+    /// Estimate columns of the selected objects anew, or of all if none is selected.
+    EstimateAnew(Steps),
+    /// Compare points with so many neighbours.
+    SetNeighbours(usize),
     /// Turn an inward-wound mesh inside out.
     Flip(ObjectId),
     /// Show or hide an object.

@@ -5,6 +5,7 @@
 
 pub(super) mod camera;
 pub(super) mod compare;
+mod estimate;
 pub(super) mod lighting;
 mod material;
 mod objects;

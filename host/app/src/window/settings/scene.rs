@@ -6,6 +6,7 @@ use egui::Ui;
 use pointstage_engine::stage::Severity;
 use pointstage_scene::{Material, Object, ObjectId, Scene, WarningKind, Warnings};
 
+use super::estimate::estimate_ui;
 use super::material::material_ui;
 use super::objects;
 use crate::window::intent::{Intents, SceneIntent};
@@ -22,6 +23,8 @@ pub(crate) struct SceneTab<'a> {
     pub(crate) active: Option<&'a Object>,
     /// The material of objects to come.
     pub(crate) material: Material,
+    /// Neighbours that a point is compared with where columns are estimated anew.
+    pub(crate) neighbours: usize,
 }
 
 /// The tab.
@@ -35,6 +38,7 @@ pub(crate) fn scene_ui(ui: &mut Ui, tab: &SceneTab<'_>, out: &mut Intents) {
             ui.weak("The scene is empty.");
         } else {
             selection_ui(ui, scene, out);
+            estimate_ui(ui, tab.neighbours, out);
         }
         for object in scene.objects() {
             ui.push_id(object.id.0, |ui| {

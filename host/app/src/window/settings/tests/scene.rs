@@ -5,6 +5,7 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use glam::{DAffine3, DVec3};
+use pointstage_scene::estimate::Steps;
 use pointstage_scene::{Block, Geometry, Material, Object, ObjectId, Origins, Scene};
 
 use super::super::scene::{SceneTab, scene_ui};
@@ -36,6 +37,7 @@ fn tab_of(scene: Scene, active: Option<ObjectId>) -> Harness<'static, Intents> {
             warnings: &BTreeMap::new(),
             active: active.and_then(|id| scene.object(id)),
             material: Material::default(),
+            neighbours: 12,
         };
         scene_ui(ui, &tab, asked);
     })
@@ -161,4 +163,18 @@ fn an_object_is_hidden_and_removed() {
     harness.get_by_label("Remove floor").click();
     harness.run();
     assert_asked(&harness, SceneIntent::Remove(floor));
+}
+
+#[test]
+fn columns_are_estimated_with_the_neighbours_shown() {
+    let (scene, _) = scene();
+    let mut harness = tab(scene);
+    harness.get_by_label("Orient normals").click();
+    harness.run();
+    let steps = Steps {
+        orientation: true,
+        neighbours: 12,
+        ..Steps::default()
+    };
+    assert_asked(&harness, SceneIntent::EstimateAnew(steps));
 }
