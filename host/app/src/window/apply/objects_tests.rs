@@ -8,7 +8,7 @@ use super::*;
 use crate::window::app_tests::{wait_until, window};
 use crate::window::intent::{EditIntent, Intent, SceneIntent};
 
-pub(super) fn object(name: &str, x: f32) -> Object {
+fn object(name: &str, x: f32) -> Object {
     let block = Block {
         position_radius: Arc::from([[x, 0.0, 0.0, 1.0], [x, 1.0, 0.0, 1.0]]),
         ..Block::default()
@@ -21,7 +21,7 @@ pub(super) fn object(name: &str, x: f32) -> Object {
 }
 
 /// A window with two objects.
-pub(super) fn desk() -> (Harness<'static, App>, [ObjectId; 2]) {
+pub(in crate::window::apply) fn desk() -> (Harness<'static, App>, [ObjectId; 2]) {
     let mut harness = window();
     // Before that, nothing is a step that can be undone.
     wait_until(&mut harness, |harness| {
@@ -34,7 +34,10 @@ pub(super) fn desk() -> (Harness<'static, App>, [ObjectId; 2]) {
     (harness, ids)
 }
 
-pub(super) fn apply(harness: &mut Harness<'static, App>, intent: impl Into<Intent>) {
+pub(in crate::window::apply) fn apply(
+    harness: &mut Harness<'static, App>,
+    intent: impl Into<Intent>,
+) {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, intent.into());
     harness.run_steps(2);
