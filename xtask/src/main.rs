@@ -1,5 +1,5 @@
 //! The repository's own commands: `cargo xtask run`, `test`, `bless`, `pictures`, `sample`, `bench`,
-//! `quality`, `pop`, `side-by-side`.
+//! `quality`, `pop`, `side-by-side`, `fuzz`.
 //!
 //! Each command is a file of its own. They share [`setup`] (what the machine must have), [`build`] (the program and
 //! its plugins), [`process`] (running children and saying so) and [`paths`]. Nothing here depends on a crate but `pointstage-plot`, which depends on none, so that
@@ -11,6 +11,7 @@ mod bench;
 mod bless;
 mod build;
 mod draw_anew;
+mod fuzz;
 mod json;
 mod markdown;
 mod out;
@@ -49,6 +50,7 @@ Usage: cargo xtask COMMAND
                                  built before; without it, all is built first
   side-by-side [OUT]             reports of all renderers on a small and a large scan, and the tables of a thesis on HQSS
                                  measured again; they go to OUT, target/side-by-side unless given
+  fuzz [READER...] [--seconds N] wrong files for every reader (or these: ply, las, …), a minute each unless told otherwise
 ";
 
 fn main() -> ExitCode {
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
         "bench" => bench::bench(rest),
         "quality" => quality::quality(rest),
         "pop" => pop::pop(rest),
+        "fuzz" => fuzz::fuzz(rest),
         "side-by-side" => side_by_side::side_by_side(rest),
         "help" | "--help" | "-h" => {
             print!("{USAGE}");

@@ -8,7 +8,7 @@
 //!
 //! The others are trimesh, Open3D, VTK and MeshLab from PyPI, in an environment outside the repository (`python3 -m venv
 //! venv` and `venv/bin/pip install numpy trimesh open3d vtk pymeshlab`), and CloudCompare where its program is installed.
-//! `peers.py` beside this file runs them.
+//! `tests/peers/read_file.py` runs them.
 //!
 //! The surfels of each PLY file are written as an SFL file too, and loaded from there, with normals and radii as the file has
 //! them; of SFL, QSplat and TRI files the rate stands alone, since none of the others reads them.
@@ -206,7 +206,10 @@ fn peers(file: &Path, scratch: &Path) -> Vec<(String, Vec<f64>, f64)> {
     let Some(python) = std::env::var_os("POINTSTAGE_PEERS_PYTHON") else {
         return Vec::new();
     };
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peers.py");
+    let script = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../tests/peers/read_file.py"
+    );
     let runs = RUNS.div_ceil(ROUNDS).to_string();
     let output = Command::new(python)
         .arg(script)
@@ -217,11 +220,11 @@ fn peers(file: &Path, scratch: &Path) -> Vec<(String, Vec<f64>, f64)> {
         .expect("python runs");
     assert!(
         output.status.success(),
-        "peers.py failed: {}",
+        "read_file.py failed: {}",
         String::from_utf8_lossy(&output.stderr)
     );
     let answer: serde_json::Value =
-        serde_json::from_slice(&output.stdout).expect("peers.py prints JSON");
+        serde_json::from_slice(&output.stdout).expect("read_file.py prints JSON");
     let of_peer = |(name, result): (&String, &serde_json::Value)| {
         let seconds = result["seconds"]
             .as_array()?

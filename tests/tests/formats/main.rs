@@ -7,6 +7,7 @@ mod choice;
 mod commands;
 mod convert;
 mod damage;
+mod found;
 mod meshes;
 mod points;
 mod scans;

@@ -19,12 +19,8 @@ use std::sync::{Arc, OnceLock};
 /// is looked at.
 pub fn loaders(registry: &Arc<Registry>) -> Vec<Arc<dyn Loader>> {
     let adapt = |info: Arc<PluginInfo>| -> Arc<dyn Loader> {
-        Arc::new(PluginLoader {
-            names: names_of(&info),
-            info,
-            registry: Arc::clone(registry),
-            object: OnceLock::new(),
-        })
+        let registry = Arc::clone(registry);
+        Arc::new(PluginLoader::new(info, registry, OnceLock::new()))
     };
     registry.loaders().into_iter().map(adapt).collect()
 }
@@ -40,7 +36,7 @@ fn names_of(info: &PluginInfo) -> LoaderInfo {
 }
 
 /// A loader of a plugin.
-struct PluginLoader {
+pub(super) struct PluginLoader {
     names: LoaderInfo,
     info: Arc<PluginInfo>,
     registry: Arc<Registry>,
@@ -55,6 +51,20 @@ impl std::fmt::Debug for PluginLoader {
 }
 
 impl PluginLoader {
+    /// The loader of `info`; `object` is the plugin's side if it is there already.
+    pub(super) fn new(
+        info: Arc<PluginInfo>,
+        registry: Arc<Registry>,
+        object: OnceLock<Result<LoaderBox, Error>>,
+    ) -> Self {
+        Self {
+            names: names_of(&info),
+            info,
+            registry,
+            object,
+        }
+    }
+
     fn object(&self) -> Result<&LoaderBox, Error> {
         let made = self.object.get_or_init(|| {
             let factory = self.registry.load(&self.info);

@@ -1,11 +1,12 @@
-"""How long other readers take for a PLY file, and in how much memory.
+"""How long other readers take for a file, and in how much memory.
 
-    python peers.py FILE RUNS
+    python read_file.py FILE RUNS
 
 Prints JSON: {name: {"seconds": [...], "peak_bytes": n, "vertices": n, "triangles": n}}. Readers that are not installed are
-left out. Each reader has a process of its own; imports and one first load do not count. The peak is the largest resident
+left out, and so are those that do not know the format or cannot read the file (then with a line on standard error). Each reader has a process of its own; imports and one first load do not count. The peak is the largest resident
 size of that process less the one before the loads. trimesh runs with process=False, which is its fastest way.
-Install with: pip install numpy trimesh open3d vtk pymeshlab; CloudCompare is a program of its own (Debian's package
+laspy and pye57 have read when positions, and the colours that there are, stand in arrays.
+Install with: pip install numpy trimesh open3d vtk pymeshlab "laspy[lazrs]" pye57; CloudCompare is a program of its own (Debian's package
 cloudcompare), started anew for each run, and says itself how long a file took, to a hundredth of a second.
 """
 
@@ -34,22 +35,49 @@ def trimesh_reader():
 def open3d_reader():
     import open3d
 
-    def read(path):
+    def read_mesh(path):
         mesh = open3d.io.read_triangle_mesh(path)
         return len(mesh.vertices), len(mesh.triangles)
 
-    return read
+    def read_points(path):
+        cloud = open3d.t.io.read_point_cloud(path)
+        return len(cloud.point.positions), 0
+
+    return read_points if FORMAT in ("pcd", "pts", "xyz") else read_mesh
 
 
 def vtk_reader():
-    from vtkmodules.vtkIOPLY import vtkPLYReader
+    from vtkmodules import vtkIOGeometry, vtkIOPLY
+
+    reader_of = {
+        "glb": "vtkGLTFReader",
+        "obj": "vtkOBJReader",
+        "off": "vtkOFFReader",
+        "pts": "vtkPTSReader",
+        "stl": "vtkSTLReader",
+        "xyz": "vtkSimplePointsReader",
+    }
+
+    def new_reader():
+        if FORMAT == "ply":
+            return vtkIOPLY.vtkPLYReader()
+        if FORMAT == "xyz":
+            from vtkmodules.vtkIOLegacy import vtkSimplePointsReader
+
+            return vtkSimplePointsReader()
+        return getattr(vtkIOGeometry, reader_of[FORMAT])()
+
+    def counts(data):
+        if data.IsA("vtkMultiBlockDataSet"):
+            parts = [counts(data.GetBlock(i)) for i in range(data.GetNumberOfBlocks()) if data.GetBlock(i)]
+            return sum(points for points, _ in parts), sum(polygons for _, polygons in parts)
+        return data.GetNumberOfPoints(), data.GetNumberOfPolys()
 
     def read(path):
-        reader = vtkPLYReader()
+        reader = new_reader()
         reader.SetFileName(path)
         reader.Update()
-        output = reader.GetOutput()
-        return output.GetNumberOfPoints(), output.GetNumberOfPolys()
+        return counts(reader.GetOutput())
 
     return read
 
@@ -68,7 +96,56 @@ def meshlab_reader():
     return read
 
 
-READERS = {"trimesh": trimesh_reader, "Open3D": open3d_reader, "VTK": vtk_reader, "MeshLab": meshlab_reader}
+def laspy_reader():
+    import laspy
+    import numpy
+
+    def read(path):
+        points = laspy.read(path)
+        positions = numpy.asarray(points.xyz)
+        if "red" in points.point_format.dimension_names:
+            numpy.stack([points.red, points.green, points.blue])
+        return len(positions), 0
+
+    return read
+
+
+def pye57_reader():
+    import pye57
+
+    def read(path):
+        file = pye57.E57(path)
+        count = 0
+        for scan in range(file.scan_count):
+            colours = "colorRed" in file.get_header(scan).point_fields
+            count += len(file.read_scan(scan, colors=colours, ignore_missing_fields=True)["cartesianX"])
+        return count, 0
+
+    return read
+
+
+READERS = {
+    "trimesh": trimesh_reader,
+    "Open3D": open3d_reader,
+    "VTK": vtk_reader,
+    "MeshLab": meshlab_reader,
+    "laspy": laspy_reader,
+    "pye57": pye57_reader,
+}
+
+# What each of them can be asked for.
+FORMATS = {
+    "trimesh": ("glb", "obj", "off", "ply", "stl", "xyz"),
+    "Open3D": ("glb", "obj", "off", "pcd", "ply", "pts", "stl", "xyz"),
+    "VTK": ("glb", "obj", "off", "ply", "pts", "stl", "xyz"),
+    "MeshLab": ("glb", "obj", "off", "ply", "pts", "stl", "xyz"),
+    "laspy": ("las", "laz"),
+    "pye57": ("e57",),
+    "CloudCompare": ("e57", "las", "laz", "obj", "off", "pcd", "ply", "pts", "stl", "xyz"),
+}
+
+# The extension of the file at hand.
+FORMAT = sys.argv[1].rsplit(".", 1)[-1].lower() if len(sys.argv) > 1 else ""
 
 # The program's name; it is measured in a way of its own.
 CLOUDCOMPARE = "CloudCompare"
@@ -109,7 +186,8 @@ def cloudcompare(path):
         )
     found = re.search(r"finished in ([0-9.]+) s", run.stdout)
     counts = re.search(r"mesh with ([0-9]+) faces and ([0-9]+) vertices", run.stdout)
-    triangles, vertices = counts.groups() if counts else (0, 0)
+    points = re.search(r"cloud with ([0-9]+) points", run.stdout)
+    triangles, vertices = counts.groups() if counts else (0, points[1] if points else 0)
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
     return float(found[1]), peak, int(vertices), int(triangles)
 
@@ -137,11 +215,13 @@ def main():
         return
     results = {}
     for name in [*READERS, *filter(shutil.which, [CLOUDCOMPARE])]:
+        if FORMAT not in FORMATS[name]:
+            continue
         child = subprocess.run([sys.executable, __file__, *sys.argv[1:3], name], capture_output=True, text=True)
-        if child.returncode == 0:
+        if child.returncode == 0 and '"vertices": 0' not in child.stdout:
             results[name] = json.loads(child.stdout.strip().splitlines()[-1])
         else:
-            print(f"{name}: {child.stderr.strip()[-300:]}", file=sys.stderr)
+            print(f"{name}: {child.stderr.strip()[-300:] or 'read nothing'}", file=sys.stderr)
     print(json.dumps(results))
 
 
