@@ -6,7 +6,7 @@
 //! * [`models`] makes scenes in memory; [`shots`] draws them with `points` and `surfel`, target by target.
 //! * [`compare`] measures how far two pictures are apart; [`golden`] holds a picture against the one that was blessed.
 //! * [`sharp`] makes shapes with sharp edges.
-//! * [`loaders`] loads files through the first-party libraries of loaders.
+//! * [`loaders`] loads files through the first-party libraries of loaders; [`mesh_files`] writes files of every format.
 //! * [`browser`] opens a page in a browser without a window.
 //! * [`plugins`] builds the misbehaving plugins of `tests/plugins/`.
 //! * [`window`] drives the program's window on a virtual display: pointer, keys, drops, screenshots.
@@ -19,6 +19,7 @@ pub mod compare;
 pub mod data;
 pub mod golden;
 pub mod loaders;
+pub mod mesh_files;
 pub mod models;
 pub mod plugins;
 pub mod program;

@@ -84,8 +84,9 @@ fn parse(arguments: &[String]) -> Outcome<(Vec<&'static str>, u32)> {
 
 /// Small files and real ones, a folder a reader.
 fn write_seeds(folder: &Path, seeds: &Path) -> Outcome {
-    let mut command = process::cargo(&["run", "--release", "--bin", "seeds", "--manifest-path"]);
-    command.arg(folder.join("Cargo.toml")).arg("--").arg(seeds);
+    let mut command = process::cargo(&["run", "--release", "--quiet", "--manifest-path"]);
+    let manifest = folder.join("seeds").join("Cargo.toml");
+    command.arg(manifest).arg("--").arg(seeds);
     let facts = paths::shared_data("manifest.json");
     match facts.as_deref().and_then(Path::parent) {
         Some(shared) => {

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The files are the largest ones of the shared test data folder. A format of which there is none, or only small ones, is
-//! written from the brain there ([`made`]) into `target/formats/`. `tests/peers/read_file.py` says who the others are and
+//! written from the brain there ([`mesh_files`]) into `target/formats/`. `tests/peers/read_file.py` says who the others are and
 //! how to install them.
 //!
 //! A time is that of one load, nothing estimated ('bare'); the median of [`RUNS`] loads after one that does not count. We and
@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use pointstage_tests::{data, loaders, program};
+use pointstage_scene::{Estimation, Job, LoadOptions, load, save_sfl};
+use pointstage_tests::{data, loaders, mesh_files, program};
 
-mod made;
 mod measured;
 mod peers;
 mod table;
@@ -121,6 +121,17 @@ fn files_of_every_format(folder: &Path) -> Result<Vec<PathBuf>> {
         return Ok(files);
     };
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    files.extend(made::files(&source, folder)?);
+    let options = LoadOptions {
+        estimation: Estimation::Always,
+        ..LoadOptions::default()
+    };
+    let object = load(&source, &options, &Job::new())?.object;
+    let mesh = mesh_files::Mesh::of(&object);
+    files.extend(mesh_files::write_all(&mesh, folder, "brain")?);
+    let surfels = folder.join("brain.sfl");
+    if !surfels.is_file() {
+        save_sfl(&object, &surfels)?;
+    }
+    files.push(surfels);
     Ok(files)
 }

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use pointstage_tests::program::{self, Program};
-use pointstage_tests::scenes;
 use pointstage_tests::window::{Display, State};
+use pointstage_tests::{data, mesh_files, scenes};
 
 use desk::{Desk, POINTS, coloured, difference, same, sphere};
 
@@ -167,6 +167,37 @@ fn a_dropped_file_takes_the_scene_s_place() -> Result<()> {
     desk.wait_for_picture("the planes", |picture| {
         coloured(picture) > 5000 && !same(picture, &before)
     })?;
+    desk.close()
+}
+
+#[test]
+fn a_dropped_file_of_every_kind_is_opened_and_drawn() -> Result<()> {
+    let Some(mut desk) = Desk::with_sphere()? else {
+        return Ok(());
+    };
+    let home = desk.program.home().to_owned();
+    let mut files = mesh_files::write_all(&mesh_files::Mesh::ball(40), &home, "ball")?;
+    let real = [
+        "mesh/bunny_zipper_ascii.ply",
+        "sfl/bunny_ps3d.sfl",
+        "qs/bunny.qs",
+        "points/bunnyDouble.e57",
+        "points/lone-star.copc.laz",
+    ];
+    files.extend(real.iter().filter_map(|name| data::shared(name)));
+    let pictures = program::target_folder().join("test-output/dropped");
+    std::fs::create_dir_all(&pictures)?;
+    let mut last = desk.wait_for_picture("the sphere", |picture| coloured(picture) > 2000)?;
+    for file in files {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        desk.window.drop_files(&[&file], 370, 360)?;
+        desk.window
+            .settle(&name, |state| state.objects() == [&*stem])?;
+        let picture = desk.wait_for_picture(&name, |picture| !same(picture, &last))?;
+        picture.save(pictures.join(format!("{name}.png")))?;
+        last = picture;
+    }
     desk.close()
 }
 

@@ -1,4 +1,4 @@
-//! Large files of formats of which no large one is at hand, all of one mesh with normals and made-up colours.
+//! Files of every format of meshes and points, all of one mesh with normals and made-up colours.
 //!
 //! Each is written in the plainest way that its format has, so that every reader knows it.
 
@@ -9,59 +9,55 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use bytemuck::cast_slice;
 use pointstage_plugin_api::columns::decode_normal;
-use pointstage_scene::{Estimation, Job, LoadOptions, Object, load, save_sfl};
+use pointstage_scene::Object;
 use serde_json::json;
 
 /// What is written.
-struct Mesh {
+pub struct Mesh {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     colours: Vec<[u8; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 
-/// Writes what is not in `folder` yet; the files.
-pub(crate) fn files(source: &Path, folder: &Path) -> Result<Vec<PathBuf>> {
-    type Writer = fn(&Mesh, &mut dyn Write) -> std::io::Result<()>;
-    const WRITERS: [(&str, Writer); 11] = [
-        ("brain_text.ply", ply),
-        ("brain.obj", obj),
-        ("brain.stl", stl),
-        ("brain_text.stl", stl_text),
-        ("brain.off", off),
-        ("brain.glb", glb),
-        ("brain.pcd", pcd),
-        ("brain.xyz", xyz),
-        ("brain.pts", pts),
-        ("brain.las", las),
-        ("brain.tri", tri),
-    ];
-    let names = WRITERS.iter().map(|(name, _)| *name);
-    let files: Vec<PathBuf> = names
-        .chain(["brain.sfl"])
-        .map(|name| folder.join(name))
-        .collect();
-    if files.iter().all(|file| file.is_file()) {
-        return Ok(files);
+type Writer = fn(&Mesh, &mut dyn Write) -> std::io::Result<()>;
+
+/// What follows the stem of each file's name, and its writer.
+const WRITERS: [(&str, Writer); 11] = [
+    ("_text.ply", ply),
+    (".obj", obj),
+    (".stl", stl),
+    ("_text.stl", stl_text),
+    (".off", off),
+    (".glb", glb),
+    (".pcd", pcd),
+    (".xyz", xyz),
+    (".pts", pts),
+    (".las", las),
+    (".tri", tri),
+];
+
+/// Writes a mesh in all these formats, as files whose names begin with `stem`; what is there stays.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write_all(mesh: &Mesh, folder: &Path, stem: &str) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for (ending, write) in WRITERS {
+        let path = folder.join(format!("{stem}{ending}"));
+        if !path.is_file() {
+            let file = File::create(&path).with_context(|| path.display().to_string())?;
+            let mut out = BufWriter::with_capacity(1 << 20, file);
+            write(mesh, &mut out).and_then(|()| out.flush())?;
+        }
+        files.push(path);
     }
-    let options = LoadOptions {
-        estimation: Estimation::Always,
-        ..LoadOptions::default()
-    };
-    let object = load(source, &options, &Job::new())?.object;
-    let mesh = Mesh::of(&object);
-    for (name, write) in WRITERS {
-        let path = folder.join(name);
-        let file = File::create(&path).with_context(|| path.display().to_string())?;
-        let mut out = BufWriter::with_capacity(1 << 20, file);
-        write(&mesh, &mut out).and_then(|()| out.flush())?;
-    }
-    save_sfl(&object, &folder.join("brain.sfl"))?;
     Ok(files)
 }
 
 impl Mesh {
-    fn of(object: &Object) -> Self {
+    /// The vertices of an object that has normals, and its triangles.
+    pub fn of(object: &Object) -> Self {
         let blocks = &object.geometry.blocks;
         let centres = blocks.iter().flat_map(|block| block.position_radius.iter());
         let normals = blocks.iter().filter_map(|block| block.normal.as_ref());
@@ -70,16 +66,44 @@ impl Mesh {
             .collect();
         Self {
             positions: centres.map(|[x, y, z, _]| [*x, *y, *z]).collect(),
-            colours: normals
-                .iter()
-                .map(|normal| normal.map(|value| (127.5 + 127.0 * value) as u8))
-                .collect(),
+            colours: normals.iter().copied().map(colour_of).collect(),
             normals,
             triangles: object
                 .geometry
                 .triangles
                 .as_deref()
                 .map_or_else(Vec::new, <[_]>::to_vec),
+        }
+    }
+
+    /// A unit ball of this many rings of vertices, each of twice as many.
+    pub fn ball(rings: u32) -> Self {
+        use std::f32::consts::PI;
+        let around = 2 * rings;
+        let place = |ring: u32, step: u32| {
+            let (polar, turn) = (
+                PI * (ring as f32 + 0.5) / rings as f32,
+                2.0 * PI * step as f32 / around as f32,
+            );
+            let (sine, cosine) = polar.sin_cos();
+            [sine * turn.cos(), cosine, sine * turn.sin()]
+        };
+        let all = (0..rings).flat_map(|ring| (0..around).map(move |step| (ring, step)));
+        let normals: Vec<[f32; 3]> = all.map(|(ring, step)| place(ring, step)).collect();
+        let mut triangles = Vec::new();
+        for ring in 1..rings {
+            for step in 0..around {
+                let next = (step + 1) % around;
+                let [a, b] = [step, next].map(|step| (ring - 1) * around + step);
+                let [c, d] = [step, next].map(|step| ring * around + step);
+                triangles.extend([[a, b, c], [b, d, c]]);
+            }
+        }
+        Self {
+            positions: normals.clone(),
+            colours: normals.iter().copied().map(colour_of).collect(),
+            normals,
+            triangles,
         }
     }
 
@@ -94,6 +118,11 @@ impl Mesh {
         let place = |corner: u32| self.positions[corner as usize];
         self.triangles.iter().map(move |corners| corners.map(place))
     }
+}
+
+/// A vertex's colour is its normal.
+fn colour_of(normal: [f32; 3]) -> [u8; 3] {
+    normal.map(|value| (127.5 + 127.0 * value) as u8)
 }
 
 fn ply(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {

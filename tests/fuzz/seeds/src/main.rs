@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 #[allow(dead_code, reason = "shared with tests that use all of it")]
-#[path = "../../tests/formats/small.rs"]
+#[path = "../../../tests/formats/small.rs"]
 mod small;
 
 /// Larger files seed with their beginning.
