@@ -37,6 +37,9 @@ const NAMES: [&str; 9] = [
 /// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
 const POINTS_A_PIECE: u64 = 200_000;
 
+/// Bytes of points decompressed at once: a header may claim 64 KB a point, and the memory is taken before the first is read.
+const BYTES_A_PIECE: u64 = 1 << 24;
+
 /// Bytes read from the file at once.
 const READ_AHEAD: usize = 1 << 20;
 
@@ -76,6 +79,8 @@ impl Loader for LasLoader {
                 "the file has 0 points; there is nothing to show",
             ));
         }
+        let point_bytes = u64::from(format.len()).max(1);
+        let piece_points = POINTS_A_PIECE.min((BYTES_A_PIECE / point_bytes).max(1));
         let mut pieces: Vec<PointData> = Vec::new();
         let mut read = 0;
         let mut largest_colour = 0;
@@ -85,7 +90,7 @@ impl Loader for LasLoader {
                 (0.8 * read as f64 / expected as f64) as f32,
                 "reading points",
             );
-            let piece = reader.read_points(POINTS_A_PIECE).map_err(|error| {
+            let piece = reader.read_points(piece_points).map_err(|error| {
                 Error::failed(format!(
                     "expected {expected} points, but behind point {read} comes what cannot be read: {error}; the file is damaged or truncated, copy it again"
                 ))
@@ -137,7 +142,7 @@ impl Loader for LasLoader {
         plan.declare(out, expected)?;
         for (index, piece) in pieces.drain(..).enumerate() {
             progress.check()?;
-            let done = index as f64 * POINTS_A_PIECE as f64 / expected as f64;
+            let done = index as f64 * piece_points as f64 / expected as f64;
             progress.set((0.8 + 0.2 * done) as f32, "building columns");
             plan.write(out, &piece)?;
         }
