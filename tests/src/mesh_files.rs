@@ -25,16 +25,16 @@ type Writer = fn(&Mesh, &mut dyn Write) -> std::io::Result<()>;
 /// What follows the stem of each file's name, and its writer.
 const WRITERS: [(&str, Writer); 11] = [
     ("_text.ply", ply),
-    (".obj", obj),
-    (".stl", stl),
+    ("_obj.obj", obj),
+    ("_stl.stl", stl),
     ("_text.stl", stl_text),
-    (".off", off),
-    (".glb", glb),
-    (".pcd", pcd),
-    (".xyz", xyz),
-    (".pts", pts),
-    (".las", las),
-    (".tri", tri),
+    ("_off.off", off),
+    ("_glb.glb", glb),
+    ("_pcd.pcd", pcd),
+    ("_xyz.xyz", xyz),
+    ("_pts.pts", pts),
+    ("_las.las", las),
+    ("_tri.tri", tri),
 ];
 
 /// Writes a mesh in all these formats, as files whose names begin with `stem`; what is there stays.
