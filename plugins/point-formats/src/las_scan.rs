@@ -63,6 +63,7 @@ impl Loader for LasLoader {
         progress: &Progress<'_>,
     ) -> Result<()> {
         progress.set(0.0, "reading points");
+        check_size(file.bytes)?;
         // The library keeps what it reads from for as long as it likes, which borrowed bytes do not allow.
         let opened = File::open(file.path)
             .map_err(|error| Error::failed(format!("cannot be read any more: {error}")))?;
@@ -148,6 +149,29 @@ impl Loader for LasLoader {
         }
         Ok(())
     }
+}
+
+/// Refuses a header whose points no file could hold: the library multiplies without a look.
+fn check_size(mut file: &[u8]) -> Result<()> {
+    let Ok(header) = las::raw::Header::read_from(&mut file) else {
+        // What is wrong with it, the reader says better.
+        return Ok(());
+    };
+    let large = header
+        .large_file
+        .map_or(0, |large| large.number_of_point_records);
+    let points = large.max(u64::from(header.number_of_point_records));
+    let bytes = header.point_data_record_length;
+    let start = u64::from(header.offset_to_point_data);
+    points
+        .checked_mul(u64::from(bytes))
+        .and_then(|all| all.checked_add(start))
+        .map(|_| ())
+        .ok_or_else(|| {
+            Error::failed(format!(
+                "the header claims {points} points of {bytes} bytes, which no file can hold; the file is damaged, copy it again"
+            ))
+        })
 }
 
 /// How colours are kept.

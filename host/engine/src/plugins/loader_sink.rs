@@ -21,12 +21,16 @@ const READING: f32 = 0.35;
 const LONGEST_TEXT: usize = 400;
 /// Different warnings that are kept of one load.
 const MOST_WARNINGS: usize = 64;
+/// Memory taken for surfels that are only announced yet, beyond the length of the file: a header may claim any number.
+const MOST_RESERVED_BYTES: u64 = 16 << 20;
 /// Surfels copied between two looks at the cancel flag take a few milliseconds: a plugin may hand over all at once.
 const ROWS_AT_ONCE: u64 = 1 << 18;
 
 /// Collects what a loader hands over.
 pub(super) struct Sink<'a> {
     job: &'a Job,
+    /// Length of the file that is read.
+    file_bytes: u64,
     state: Mutex<State>,
 }
 
@@ -41,9 +45,10 @@ struct State {
 }
 
 impl<'a> Sink<'a> {
-    pub(super) fn new(job: &'a Job) -> Self {
+    pub(super) fn new(job: &'a Job, file_bytes: u64) -> Self {
         Self {
             job,
+            file_bytes,
             state: Mutex::default(),
         }
     }
@@ -157,7 +162,9 @@ impl LoadSinkObject for Sink<'_> {
                 .map(|spec| spec.scalar.size() * spec.components as usize)
                 .collect();
             let mut builder = ObjectBuilder::new(specs).map_err(|error| error.to_string())?;
-            builder.reserve(expected);
+            let width: usize = state.widths.iter().sum();
+            let most = self.file_bytes.saturating_add(MOST_RESERVED_BYTES) / width.max(1) as u64;
+            builder.reserve(expected.min(most));
             state.builder = Some(builder);
             Ok(())
         })

@@ -18,7 +18,7 @@ fn rows<'a>(count: u64, columns: &'a [RSlice<'a, u8>]) -> LoadRowsRecord<'a> {
 #[test]
 fn columns_polygons_and_warnings_become_an_object() {
     let job = Job::new();
-    let sink = Sink::new(&job);
+    let sink = Sink::new(&job, 1 << 20);
     let border = sink.border();
     border.columns([POSITION][..].into(), 4).unwrap();
     let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
@@ -52,7 +52,7 @@ fn what_breaks_the_rules_is_refused_and_remembered() {
     type Act<'t> = &'t dyn Fn(&LoadSinkRef<'_>);
     let broken = |act: Act<'_>| {
         let job = Job::new();
-        let sink = Sink::new(&job);
+        let sink = Sink::new(&job, 1 << 20);
         let border = sink.border();
         act(&border);
         drop(border);
@@ -128,7 +128,7 @@ fn what_breaks_the_rules_is_refused_and_remembered() {
 #[test]
 fn a_cancelled_load_answers_so_at_every_call() {
     let job = Job::new();
-    let sink = Sink::new(&job);
+    let sink = Sink::new(&job, 1 << 20);
     job.cancel();
     let call = JobCall::new(&job);
     assert_eq!(call.border().should_stop(), 1);
