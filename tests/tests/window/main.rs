@@ -187,9 +187,14 @@ fn a_dropped_file_of_every_kind_is_opened_and_drawn() -> Result<()> {
     files.extend(real.iter().filter_map(|name| data::shared(name)));
     let pictures = program::target_folder().join("test-output/dropped");
     std::fs::create_dir_all(&pictures)?;
-    // The ground is darker everywhere.
-    let bright =
-        |picture: &image::RgbaImage| picture.pixels().filter(|pixel| pixel.0[0] > 120).count();
+    // The ground is darker everywhere; what stands in the middle, above the notes, is the model.
+    let bright = |picture: &image::RgbaImage| {
+        let all = picture.enumerate_pixels();
+        all.filter(|(x, y, pixel)| {
+            (150..590).contains(x) && (100..420).contains(y) && pixel.0[0] > 110
+        })
+        .count()
+    };
     for file in files {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
@@ -197,6 +202,8 @@ fn a_dropped_file_of_every_kind_is_opened_and_drawn() -> Result<()> {
         desk.window
             .settle(&name, |state| state.objects() == [&*stem])?;
         let picture = desk.wait_for_picture(&name, |picture| bright(picture) > 300)?;
+        let is_last = |now: &image::RgbaImage| bright(now).abs_diff(bright(&picture)) < 20;
+        let picture = desk.wait_for_picture(&name, is_last)?;
         picture.save(pictures.join(format!("{name}.png")))?;
     }
     desk.close()
