@@ -202,8 +202,6 @@ fn a_dropped_file_of_every_kind_is_opened_and_drawn() -> Result<()> {
         desk.window
             .settle(&name, |state| state.objects() == [&*stem])?;
         let picture = desk.wait_for_picture(&name, |picture| bright(picture) > 300)?;
-        let is_last = |now: &image::RgbaImage| bright(now).abs_diff(bright(&picture)) < 20;
-        let picture = desk.wait_for_picture(&name, is_last)?;
         picture.save(pictures.join(format!("{name}.png")))?;
     }
     desk.close()
