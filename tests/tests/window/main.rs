@@ -191,7 +191,9 @@ fn a_dropped_file_of_every_kind_is_opened_and_drawn() -> Result<()> {
     let bright = |picture: &image::RgbaImage| {
         let all = picture.enumerate_pixels();
         all.filter(|(x, y, pixel)| {
-            (150..590).contains(x) && (100..420).contains(y) && pixel.0[0] > 110
+            (150..590).contains(x)
+                && (100..420).contains(y)
+                && pixel.0[..3].iter().any(|value| *value > 110)
         })
         .count()
     };
@@ -201,7 +203,12 @@ fn a_dropped_file_of_every_kind_is_opened_and_drawn() -> Result<()> {
         desk.window.drop_files(&[&file], 370, 360)?;
         desk.window
             .settle(&name, |state| state.objects() == [&*stem])?;
-        let picture = desk.wait_for_picture(&name, |picture| bright(picture) > 300)?;
+        // The picture before fades for a moment.
+        let before = std::cell::RefCell::new(None);
+        let picture = desk.wait_for_picture(&name, |picture| {
+            let last = before.replace(Some(picture.clone()));
+            last.is_some_and(|last| same(picture, &last)) && bright(picture) > 200
+        })?;
         picture.save(pictures.join(format!("{name}.png")))?;
     }
     desk.close()
