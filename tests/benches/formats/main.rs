@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
-use pointstage_scene::{Estimation, Job, LoadOptions, load, save_sfl};
+use pointstage_scene::{Estimation, Job, LoadOptions, SaveFormat, load, save};
 use pointstage_tests::{data, loaders, mesh_files, program};
 
 mod measured;
@@ -130,7 +130,7 @@ fn files_of_every_format(folder: &Path) -> Result<Vec<PathBuf>> {
     files.extend(mesh_files::write_all(&mesh, folder, "brain")?);
     let surfels = folder.join("brain.sfl");
     if !surfels.is_file() {
-        save_sfl(&object, &surfels)?;
+        save(&object, &surfels, SaveFormat::Sfl, &Job::new())?;
     }
     files.push(surfels);
     Ok(files)
