@@ -55,8 +55,7 @@ impl LightSum {
 
     /// The mean, linear with straight alpha; black where nothing covers anything, `None` if nothing was added.
     pub fn mean(&self) -> Option<[f32; 4]> {
-        // Written so that NaN counts as nothing.
-        if !(self.weight > 0.0) {
+        if self.weight.is_nan() || self.weight <= 0.0 {
             return None;
         }
         let covered = if self.alpha > 0.0 { self.alpha } else { 1.0 };

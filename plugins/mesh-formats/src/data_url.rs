@@ -24,15 +24,12 @@ pub(crate) fn percent_decoded(uri: &str) -> Vec<u8> {
             let digit = behind.get(index)?;
             char::from(*digit).to_digit(16)
         };
-        match (first, digit(0), digit(1)) {
-            (b'%', Some(high), Some(low)) => {
-                decoded.push((high * 16 + low) as u8);
-                rest = &behind[2..];
-            }
-            _ => {
-                decoded.push(*first);
-                rest = behind;
-            }
+        if let (b'%', Some(high), Some(low)) = (first, digit(0), digit(1)) {
+            decoded.push((high * 16 + low) as u8);
+            rest = &behind[2..];
+        } else {
+            decoded.push(*first);
+            rest = behind;
         }
     }
     decoded

@@ -97,19 +97,21 @@ impl Texture {
             let value = |index: usize| values.get(index).and_then(|word| number(word));
             match option {
                 b"-s" => {
-                    found.scale =
-                        [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)].map(|value| value as f32)
+                    found.scale = [value(0).unwrap_or(1.0), value(1).unwrap_or(1.0)]
+                        .map(|value| value as f32);
                 }
                 b"-o" => {
-                    found.offset =
-                        [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)].map(|value| value as f32)
+                    found.offset = [value(0).unwrap_or(0.0), value(1).unwrap_or(0.0)]
+                        .map(|value| value as f32);
                 }
                 b"-clamp" => found.is_clamped = values.first() == Some(&&b"on"[..]),
                 _ => {}
             }
             text = rest;
         }
-        found.name = String::from_utf8_lossy(text).trim().to_owned();
+        String::from_utf8_lossy(text)
+            .trim()
+            .clone_into(&mut found.name);
         (!found.name.is_empty()).then_some(found)
     }
 
