@@ -58,7 +58,8 @@ pub(crate) fn origin_for(bounds: &Bounds) -> DVec3 {
     if farthest <= FAR_FROM_ORIGIN * size || farthest == 0.0 {
         return DVec3::ZERO;
     }
-    if size == 0.0 {
+    // What is smaller has no size in f32, and no power of two beside it.
+    if size < f64::from(f32::MIN_POSITIVE) {
         return bounds.centre();
     }
     let step = size.log2().floor().exp2();
@@ -136,6 +137,10 @@ mod tests {
         let near = Bounds::new(DVec3::splat(-1.0), DVec3::splat(10.0));
         assert_eq!(origin_for(&near), DVec3::ZERO);
         assert_eq!(origin_for(&Bounds::EMPTY), DVec3::ZERO);
+        let smallest = Bounds::new(DVec3::splat(-4e-300), DVec3::new(5e-324, -4e-300, -4e-300));
+        assert!(origin_for(&smallest).is_finite());
+        let point_like = Bounds::new(DVec3::ONE, DVec3::new(1.0, 1.0 + 1e-315, 1.0));
+        assert!(origin_for(&point_like).is_finite());
         let far = Bounds::new(
             DVec3::new(500_000.1, 0.0, 0.0),
             DVec3::new(500_100.1, 80.0, 30.0),
