@@ -1,5 +1,6 @@
 //! `pointstage convert`: what is written holds what was read, and nothing is replaced or left out in silence.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
@@ -135,21 +136,17 @@ fn a_mesh_of_a_plugin_s_format_becomes_surfels_and_says_what_is_left_out() -> Re
 
 /// Points of a sphere around (5, 0, 0), evenly wound from pole to pole.
 fn sphere() -> String {
-    (0..1500)
-        .map(|number| {
-            let (height, turn) = (
-                1.0 - f64::from(number) / 749.5,
-                f64::from(number) * 2.399_963,
-            );
-            let level = (1.0 - height * height).max(0.0).sqrt();
-            format!(
-                "{} {} {}\n",
-                5.0 + level * turn.cos(),
-                height,
-                level * turn.sin()
-            )
-        })
-        .collect()
+    let mut text = String::new();
+    for number in 0..1500 {
+        let (height, turn) = (
+            1.0 - f64::from(number) / 749.5,
+            f64::from(number) * 2.399_963,
+        );
+        let level = (1.0 - height * height).max(0.0).sqrt();
+        let (x, z) = (5.0 + level * turn.cos(), level * turn.sin());
+        let _ = writeln!(text, "{x} {height} {z}");
+    }
+    text
 }
 
 #[test]

@@ -133,7 +133,7 @@ fn a_missing_texture_is_a_warning_that_names_it_and_leaves_the_plain_colour() ->
 }
 
 /// A square of two triangles with a texture as one binary file, and a point that takes a texel.
-fn glb(picture: &[u8], material: Value) -> Vec<u8> {
+fn glb(picture: &[u8], material: &Value) -> Vec<u8> {
     let positions: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let uvs: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
     let colours: [[u8; 4]; 4] = [[255, 255, 255, 255]; 4];
@@ -197,7 +197,7 @@ fn glb_has_its_texture_inside_times_factor_and_alpha_counts_where_it_should() ->
     let path = folder.path().join("a.glb");
     let of = |mode: &str| -> Result<Loaded> {
         let material = json!({"pbrMetallicRoughness": pbr, "alphaMode": mode});
-        std::fs::write(&path, glb(&picture, material))?;
+        std::fs::write(&path, glb(&picture, &material))?;
         load(&loaders, &path, "gltf", "vertices")
     };
     let masked = of("MASK")?;

@@ -299,7 +299,7 @@ fn tell(path: &Path, warnings: &Warnings) {
 /// Says so when surfels will have nothing to be drawn by.
 fn advise(path: &Path, object: &Object) {
     let origins = &object.geometry.origins;
-    let lacking = estimates::missing(origins);
+    let lacking = estimates::missing(*origins);
     if !lacking.is_empty() {
         eprintln!(
             "note: {}: the surfels have no {}; --estimate {} makes them",

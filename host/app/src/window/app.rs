@@ -235,7 +235,7 @@ impl App {
                 }
                 Finished::Merged(merged) => self.take_merged(*merged),
                 Finished::Estimated(estimated) => self.take_estimated(*estimated),
-                Finished::ObjectSaved(saved) => self.tell_of_saved_object(*saved),
+                Finished::ObjectSaved(saved) => self.tell_of_saved_object(&saved),
                 Finished::Stopped(text) => self.log.say(Severity::Info, text, now),
                 Finished::Session(opened) => self.take_over(*opened),
                 Finished::Cancelled(name) => {

@@ -6,8 +6,11 @@ use pointstage_scene::{Material, Object, Scene};
 use super::app_tests::{SQUARE, wait_until, window};
 use super::intent::{FileIntent, OpenMode, Overwrite, SceneIntent};
 
+/// What must come back.
+type Kept = (String, bool, DAffine3, Material, f32, Vec<[f32; 4]>);
+
 /// What a session keeps of an object.
-fn kept(object: &Object) -> (String, bool, DAffine3, Material, f32, Vec<[f32; 4]>) {
+fn kept(object: &Object) -> Kept {
     (
         object.name.clone(),
         object.visible,
@@ -18,7 +21,7 @@ fn kept(object: &Object) -> (String, bool, DAffine3, Material, f32, Vec<[f32; 4]
     )
 }
 
-fn all_kept(scene: &Scene) -> Vec<(String, bool, DAffine3, Material, f32, Vec<[f32; 4]>)> {
+fn all_kept(scene: &Scene) -> Vec<Kept> {
     scene.objects().iter().map(kept).collect()
 }
 

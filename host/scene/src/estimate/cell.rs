@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn the_ellipse_between_scan_lines_reaches_across_them() {
         // Points 1 apart on lines 4 apart, the lines turned by 30 degrees.
-        let turn = glam::DQuat::from_rotation_z(0.5236);
+        let turn = glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_6);
         let lines = (-5..=5)
             .flat_map(|x| (-1..=1).map(move |y| DVec3::new(x.into(), f64::from(y) * 4.0, 0.0)));
         let offsets = sorted(

@@ -104,7 +104,9 @@ fn clear(geometry: &mut Geometry, steps: &Steps, warnings: &mut Warnings) {
         }
         if steps.radii {
             let slots = Arc::make_mut(&mut block.position_radius);
-            slots.iter_mut().for_each(|slot| slot[3] = 0.0);
+            for slot in slots.iter_mut() {
+                slot[3] = 0.0;
+            }
         }
         if steps.axes || drops_axes {
             block.axes = None;
@@ -218,7 +220,9 @@ fn write_normals(
         blocks, origins, ..
     } = geometry;
     let mut count = 0;
-    let mut columns: Vec<(&mut [u32], Option<&mut [[f32; 8]]>)> = blocks
+    /// Normals of a block, and its half-axes if it has them.
+    type Columns<'a> = (&'a mut [u32], Option<&'a mut [[f32; 8]]>);
+    let mut columns: Vec<Columns<'_>> = blocks
         .iter_mut()
         .map(|block| {
             let length = block.len();

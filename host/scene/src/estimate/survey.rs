@@ -124,8 +124,8 @@ impl Piece {
     ) {
         let near = tree.nearest::<N>(point.centre);
         let local = Local::new(tree, point, &near, wanted.neighbours);
-        let normal = own_normal(geometry, point.index)
-            .map_or_else(|| local.normal(), |normal| normal.as_dvec3());
+        let normal =
+            own_normal(geometry, point.index).map_or_else(|| local.normal(), Vec3::as_dvec3);
         self.normals.push(normal.as_vec3());
         if wanted.radii || wanted.axes {
             let (cell, greatest) = (local.cell(normal), local.greatest());

@@ -239,7 +239,9 @@ fn push_surfel(
     if present.colours {
         let colours = block.colour.as_ref().map(|colours| colours[surfel]);
         let rgba = colours.unwrap_or(u32::MAX).to_le_bytes();
-        rgba.into_iter().for_each(|value| row.push_u8(value));
+        for value in rgba {
+            row.push_u8(value);
+        }
     }
     if present.axes {
         row.push_f32s(axes.map(|axis| axis.to_array()).as_flattened());

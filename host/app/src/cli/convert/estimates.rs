@@ -15,7 +15,7 @@ pub(super) enum Estimate {
 }
 
 /// Names of what surfels lack to be drawn as disks.
-pub(super) fn missing(origins: &Origins) -> Vec<&'static str> {
+pub(super) fn missing(origins: Origins) -> Vec<&'static str> {
     [("normals", origins.normals), ("radii", origins.radii)]
         .into_iter()
         .filter(|(_, provenance)| *provenance == Provenance::Missing)

@@ -81,7 +81,7 @@ impl App {
     }
 
     /// Says where the object is, and what its file does not hold.
-    pub(in crate::window) fn tell_of_saved_object(&mut self, saved: ObjectSaved) {
+    pub(in crate::window) fn tell_of_saved_object(&mut self, saved: &ObjectSaved) {
         let (now, path) = (Instant::now(), saved.path.display());
         for warning in saved.warnings.iter() {
             self.log
