@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use egui::{Context, Ui, ViewportCommand};
 use pointstage_engine::stage::{Severity, ViewportId};
-use pointstage_scene::{Loaders, Revision, Scene};
+use pointstage_scene::{Camera, Loaders, Revision, Scene};
 
 use super::actions::{self, Action, read_keys};
 use super::apply::take_pasted;
@@ -75,6 +75,8 @@ pub(crate) struct App {
     pub(super) wake: Arc<dyn Fn() + Send + Sync>,
     /// The batch whose objects the scene holds.
     pub(super) shown_batch: Option<Batch>,
+    /// The camera that showed the whole of a scene that had just come.
+    pub(super) framed: Option<Camera>,
     pub(super) next_batch: u64,
     pub(super) samples: Vec<PathBuf>,
     /// The scene and the device that `rows` were asked for.
@@ -159,6 +161,7 @@ impl App {
             last_save_image: None,
             wake,
             shown_batch: None,
+            framed: None,
             next_batch: 0,
             samples,
             rows_of: None,
@@ -228,9 +231,13 @@ impl App {
                         place,
                         &mut self.log,
                     );
-                    if arrival == Arrival::First {
-                        self.remembered.leave_session();
-                        self.frame_new_scene();
+                    match arrival {
+                        Arrival::First => {
+                            self.remembered.leave_session();
+                            self.frame_new_scene();
+                        }
+                        Arrival::WithFirst if self.is_framed() => self.frame_new_scene(),
+                        Arrival::WithFirst | Arrival::Joined => {}
                     }
                 }
                 Finished::Merged(merged) => self.take_merged(*merged),

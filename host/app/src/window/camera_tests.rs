@@ -6,8 +6,8 @@ use egui_kittest::kittest::Queryable as _;
 use pointstage_scene::{Camera, NearClipping, ViewRecord};
 
 use super::app::App;
-use super::app_tests::window;
-use super::intent::{CameraIntent, Intent, LightIntent, ViewsIntent};
+use super::app_tests::{SQUARE, wait_until, window};
+use super::intent::{CameraIntent, FileIntent, Intent, LightIntent, OpenMode, ViewsIntent};
 use super::navigation::{Axis, CameraMove, UpAxis};
 
 /// As the system tells of Ctrl.
@@ -167,5 +167,27 @@ fn the_window_rests_after_a_flight() {
     assert_eq!(
         viewport.interaction,
         pointstage_plugin_api::abi::Interaction::STILL
+    );
+}
+
+#[test]
+fn files_that_are_opened_together_are_all_shown() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [near, far] = ["near.ply", "far.ply"].map(|name| folder.path().join(name));
+    std::fs::write(&near, SQUARE).expect("written");
+    std::fs::write(&far, SQUARE.replace("\n1 ", "\n400 ")).expect("written");
+    let mut harness = window();
+    harness.run_steps(2);
+    let open = FileIntent::Open(vec![near, far], OpenMode::Replace);
+    ask(&mut harness, open);
+    wait_until(&mut harness, |harness| {
+        harness.state().session.scene.objects().len() == 2
+    });
+    let shown = camera(&harness);
+    ask(&mut harness, CameraIntent::Move(CameraMove::Frame));
+    let (now, size) = (camera(&harness), 400.0);
+    assert!(
+        (now.eye - shown.eye).length() < 0.01 * size,
+        "{shown:?} {now:?}"
     );
 }

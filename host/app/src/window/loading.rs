@@ -121,6 +121,8 @@ pub(crate) fn flipped(loaded_as: LoadOptions) -> LoadOptions {
 pub(crate) enum Arrival {
     /// The scene was empty or has been replaced: frame it.
     First,
+    /// It came with the file that began the scene: frame both, unless the camera was moved meanwhile.
+    WithFirst,
     /// It joined what was there.
     Joined,
 }
@@ -169,6 +171,8 @@ pub(crate) fn arrive(
             if replaces || session.scene.objects().is_empty() {
                 session.clear_scene();
                 arrival = Arrival::First;
+            } else if mode == OpenMode::Replace {
+                arrival = Arrival::WithFirst;
             }
             *shown = Some(batch);
             object
@@ -245,7 +249,7 @@ mod tests {
         );
         assert_eq!(
             arrive("b", 0, OpenMode::Replace),
-            expected(Arrival::Joined, "a b")
+            expected(Arrival::WithFirst, "a b")
         );
         assert_eq!(
             arrive("c", 1, OpenMode::Add),
@@ -257,7 +261,7 @@ mod tests {
         );
         assert_eq!(
             arrive("e", 2, OpenMode::Replace),
-            expected(Arrival::Joined, "d e")
+            expected(Arrival::WithFirst, "d e")
         );
     }
 

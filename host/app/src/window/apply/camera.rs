@@ -66,6 +66,12 @@ impl App {
             CameraMove::Frame,
             &around,
         );
+        self.framed = Some(self.session.panes.active.camera);
+    }
+
+    /// Whether the camera still stands where it shows the whole of the scene that came last.
+    pub(in crate::window) fn is_framed(&self) -> bool {
+        self.framed == Some(self.session.panes.active.camera)
     }
 
     /// Moves a camera on that is on its way by itself, at the beginning of a pass.
