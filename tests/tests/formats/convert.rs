@@ -295,3 +295,32 @@ fn several_files_go_into_a_folder_each_under_its_name() -> Result<()> {
     );
     Ok(())
 }
+
+#[test]
+fn several_files_become_one_where_they_are_merged() -> Result<()> {
+    let program = Program::find()?;
+    let home = program.home();
+    let [coloured, points, to] = ["a.ply", "b.xyz", "both.ply"].map(|name| home.join(name));
+    std::fs::write(&coloured, COLOURED)?;
+    std::fs::write(&points, "10 0 0\n11 0.5 0\n")?;
+    let points_name = points.to_str().context("a name")?;
+    let said = converted(&program, &coloured, &to, &["--merge", points_name])?;
+    assert!(said.contains("6 surfels"), "{said}");
+    let both = read(&to)?.object.geometry;
+    let block = &both.blocks[0];
+    let places: Vec<[f32; 3]> = block
+        .position_radius
+        .iter()
+        .map(|[x, y, z, _]| [*x, *y, *z])
+        .collect();
+    assert_eq!(places[4..], [[10.0, 0.0, 0.0], [11.0, 0.5, 0.0]]);
+    assert!(block.colour.is_some() && both.triangle_count() == 2);
+    // A folder is not one file; one file alone stays what it is.
+    let folder = home.join("folder");
+    std::fs::create_dir(&folder)?;
+    let refused = convert(&program, &coloured, &folder, &["--merge", points_name])?;
+    assert_eq!(refused.status.code(), Some(2), "{}", refused.stderr);
+    let alone = convert(&program, &coloured, &to, &["--merge", "--force"])?;
+    assert!(alone.status.success(), "{}", alone.stderr);
+    Ok(())
+}

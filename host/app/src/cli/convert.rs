@@ -12,7 +12,7 @@ use pointstage_engine::plugins::Registry;
 use pointstage_scene::estimate::{DEFAULT_NEIGHBOURS, NEIGHBOURS_RANGE, Steps, estimate};
 use pointstage_scene::{
     Estimation, Job, LoadOptions, Loaders, Object, PlyEncoding, SaveFormat, WarningKind, Warnings,
-    Winding, load_with, save,
+    Winding, load_with, merge, save,
 };
 
 use super::load::loader_choice;
@@ -29,6 +29,7 @@ Examples:
   pointstage convert scan.xyz --out scan.sfl --estimate normals,radii --orient
   pointstage convert head.obj --out head.ply --ascii
   pointstage convert a.e57 b.e57 --out converted --format ply
+  pointstage convert a.e57 b.e57 --out both.ply --merge
 
 Columns of the file stay as they are, and none are added that --estimate does not name: what a mesh or a scan lacks is
 still missing in the new file, and found again when that is opened.")]
@@ -36,7 +37,7 @@ pub(crate) struct ConvertArguments {
     /// Files of points or meshes
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
-    /// File to write, .ply or .sfl; a folder if there are several FILEs
+    /// File to write, .ply or .sfl; a folder if there are several FILEs that are not merged
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Format to write [default: by the ending of --out]
@@ -51,6 +52,9 @@ pub(crate) struct ConvertArguments {
     /// Write PLY as bytes, the largest of each number first
     #[arg(long, help_heading = "Writing")]
     big_endian: bool,
+    /// Write one file of all FILEs: what stands in one place stays in place
+    #[arg(long, help_heading = "Writing")]
+    merge: bool,
     /// Replace files that are there
     #[arg(long, help_heading = "Writing")]
     force: bool,
@@ -114,8 +118,8 @@ pub(crate) fn run(globals: &Globals, arguments: &ConvertArguments) -> Outcome {
 
 /// What to do, checked as a whole before anything is read.
 struct Plan {
-    /// Each file, and where it goes.
-    files: Vec<(PathBuf, PathBuf)>,
+    /// Files that become one, and where it goes.
+    files: Vec<(Vec<PathBuf>, PathBuf)>,
     format: SaveFormat,
     options: LoadOptions,
     steps: Steps,
@@ -124,15 +128,29 @@ struct Plan {
 impl Plan {
     fn new(arguments: &ConvertArguments, loaders: &Loaders) -> Outcome<Self> {
         let out = &arguments.out;
-        let is_folder = arguments.files.len() > 1 || out.is_dir();
+        let is_folder = (arguments.files.len() > 1 && !arguments.merge) || out.is_dir();
+        if arguments.merge && is_folder {
+            return Err(Failure::usage(format!(
+                "'{}' is a folder; --merge writes one file, name it",
+                out.display()
+            )));
+        }
         if is_folder && !out.is_dir() {
             return Err(Failure::usage(format!(
-                "'{}' is no folder, and several files are converted; make the folder first, or convert one file",
+                "'{}' is no folder, and several files are converted; make the folder first, convert one file, or say --merge for one file of all",
                 out.display()
             )));
         }
         let format = format_of(arguments, is_folder)?;
-        let files = targets(&arguments.files, out, is_folder, format)?;
+        let files = if arguments.merge {
+            vec![(arguments.files.clone(), out.clone())]
+        } else {
+            let pairs = targets(&arguments.files, out, is_folder, format)?;
+            pairs
+                .into_iter()
+                .map(|(from, to)| (vec![from], to))
+                .collect()
+        };
         for (from, to) in &files {
             check_target(from, to, arguments.force)?;
         }
@@ -161,12 +179,32 @@ impl Plan {
         })
     }
 
-    fn convert(&self, from: &Path, to: &Path, loaders: &Loaders) -> Outcome {
+    /// What a file holds.
+    fn read(&self, from: &Path, loaders: &Loaders) -> Outcome<Object> {
+        let name = from.file_name().unwrap_or(from.as_os_str());
+        let loaded = with_progress(&name.to_string_lossy(), |job| {
+            load_with(loaders, from, &self.options, job)
+        })?;
+        tell(from, &loaded.warnings);
+        Ok(loaded.object)
+    }
+
+    fn convert(&self, files: &[PathBuf], to: &Path, loaders: &Loaders) -> Outcome {
+        let objects = files.iter().map(|from| self.read(from, loaders));
+        let mut objects = objects.collect::<Outcome<Vec<Object>>>()?;
+        // What is said of the object is said of its file; of several, of the file that they become.
+        let (mut object, from) = match (objects.len(), files) {
+            (1, [from]) => (objects.remove(0), from.as_path()),
+            _ => {
+                let all: Vec<&Object> = objects.iter().collect();
+                let stem = to.file_stem().unwrap_or(to.as_os_str());
+                let merged = merge(&all, stem.to_string_lossy()).map_err(anyhow::Error::from)?;
+                drop(objects);
+                (merged, to)
+            }
+        };
         let name = from.file_name().unwrap_or(from.as_os_str());
         let name = name.to_string_lossy();
-        let loaded = with_progress(&name, |job| load_with(loaders, from, &self.options, job))?;
-        tell(from, &loaded.warnings);
-        let mut object = loaded.object;
         if !self.steps.is_empty() {
             let (geometry, warnings) = with_progress(&name, |job: &Job| {
                 estimate(&object.geometry, &self.steps, job)
@@ -265,9 +303,10 @@ fn targets(
 }
 
 /// Refuses to replace what the user has not said to.
-fn check_target(from: &Path, to: &Path, force: bool) -> Outcome {
+fn check_target(from: &[PathBuf], to: &Path, force: bool) -> Outcome {
     if to.exists() && !force {
-        let is_same = from.canonicalize().ok() == to.canonicalize().ok();
+        let mut files = from.iter();
+        let is_same = files.any(|file| file.canonicalize().ok() == to.canonicalize().ok());
         let which = if is_same {
             "the file that is read"
         } else {
