@@ -1,10 +1,10 @@
 //! A session with objects that no file holds, through the window: saved, opened, the same again.
 
 use glam::{DAffine3, DVec3};
-use pointstage_scene::{Material, Object, Scene};
+use pointstage_scene::{Bounds, MarkMode, Material, Object, Scene};
 
 use super::app_tests::{SQUARE, wait_until, window};
-use super::intent::{FileIntent, OpenMode, Overwrite, SceneIntent};
+use super::intent::{FileIntent, OpenMode, Overwrite, SceneIntent, SelectIntent};
 
 /// What must come back.
 type Kept = (String, bool, DAffine3, Material, f32, Vec<[f32; 4]>);
@@ -88,4 +88,56 @@ fn copies_and_unions_come_back_with_their_session() {
     assert_eq!(all_kept(&session.scene), all_kept(&saved));
     let active = session.active_object().map(|object| object.name.clone());
     assert_eq!(active, Some(saved.objects()[1].name.clone()));
+}
+
+#[test]
+fn what_was_cut_and_pasted_comes_back_with_its_session() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("square.ply");
+    std::fs::write(&file, SQUARE).expect("written");
+    let session = folder.path().join("cut.pointstage.toml");
+    let mut harness = window();
+    harness.run_steps(2);
+    let ctx = harness.ctx.clone();
+    let open = FileIntent::Open(vec![file.clone()], OpenMode::Replace);
+    harness.state_mut().apply(&ctx, open.into());
+    wait_until(&mut harness, |harness| {
+        harness.state().session.scene.surfel_count() == 4
+    });
+    let app = harness.state_mut();
+    let left = Bounds::new(DVec3::splat(-1.0), DVec3::new(0.5, 2.0, 1.0));
+    app.apply(&ctx, SelectIntent::SetCropBox(left).into());
+    app.apply(
+        &ctx,
+        SelectIntent::SelectInCropBox(MarkMode::Replace).into(),
+    );
+    wait_until(&mut harness, |harness| {
+        let marks = harness.state().session.scene.objects()[0].marks.clone();
+        marks.is_some_and(|marks| marks.count() == 2)
+    });
+    harness.state_mut().apply(&ctx, SelectIntent::Cut.into());
+    wait_until(&mut harness, |harness| {
+        harness.state().session.scene.surfel_count() == 2
+    });
+    harness.state_mut().apply(&ctx, SelectIntent::Paste.into());
+    wait_until(&mut harness, |harness| {
+        harness.state().session.scene.objects().len() == 2
+    });
+    let app = harness.state_mut();
+    let save = FileIntent::SaveSession(session.clone(), Overwrite::Agreed);
+    app.apply(&ctx, save.into());
+    let saved = app.session.scene.clone();
+    assert_eq!(saved.surfel_count(), 4);
+    wait_until(&mut harness, |_| session.is_file());
+    let original = std::fs::read_to_string(&file).expect("still there");
+    assert_eq!(original, SQUARE, "the file that was opened stays as it was");
+
+    let mut harness = window();
+    harness.run_steps(2);
+    let open = FileIntent::Open(vec![session], OpenMode::Replace);
+    harness.state_mut().apply(&ctx, open.into());
+    wait_until(&mut harness, |harness| {
+        harness.state().session.scene.objects().len() == 2
+    });
+    assert_eq!(all_kept(&harness.state().session.scene), all_kept(&saved));
 }
