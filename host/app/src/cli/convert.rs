@@ -193,15 +193,14 @@ impl Plan {
         let objects = files.iter().map(|from| self.read(from, loaders));
         let mut objects = objects.collect::<Outcome<Vec<Object>>>()?;
         // What is said of the object is said of its file; of several, of the file that they become.
-        let (mut object, from) = match (objects.len(), files) {
-            (1, [from]) => (objects.remove(0), from.as_path()),
-            _ => {
-                let all: Vec<&Object> = objects.iter().collect();
-                let stem = to.file_stem().unwrap_or(to.as_os_str());
-                let merged = merge(&all, stem.to_string_lossy()).map_err(anyhow::Error::from)?;
-                drop(objects);
-                (merged, to)
-            }
+        let (mut object, from) = if let [from] = files {
+            (objects.remove(0), from.as_path())
+        } else {
+            let all: Vec<&Object> = objects.iter().collect();
+            let stem = to.file_stem().unwrap_or(to.as_os_str());
+            let merged = merge(&all, stem.to_string_lossy()).map_err(anyhow::Error::from)?;
+            drop(objects);
+            (merged, to)
         };
         let name = from.file_name().unwrap_or(from.as_os_str());
         let name = name.to_string_lossy();
