@@ -52,12 +52,18 @@ fn main() -> Result<()> {
         arguments.iter().map(PathBuf::from).collect()
     };
     ensure!(!files.is_empty(), "there is no file to read");
-    let mut rows = Vec::new();
+    println!("{}", table::HEAD);
+    let mut others = Vec::new();
     for file in &files {
-        eprintln!("{}", file.display());
-        rows.push(row(file)?);
+        let row = row(file)?;
+        // Each as it comes: some of the others take minutes.
+        println!("{}", row.line());
+        others.extend(row.lines_of_others());
     }
-    print!("{}", table::markdown(&rows));
+    println!("\n{}", table::OTHERS_HEAD);
+    for line in others {
+        println!("{line}");
+    }
     Ok(())
 }
 

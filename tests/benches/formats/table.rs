@@ -1,6 +1,5 @@
 //! What was measured, as a table in Markdown.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use crate::measured::Measured;
@@ -19,15 +18,21 @@ const fn allowed_bytes(file_bytes: u64) -> u64 {
     4 * file_bytes + 64_000_000
 }
 
-/// The table, and below it each other reader by itself.
-pub(crate) fn markdown(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| format | file | MB | surfels | triangles | s | MB/s | fastest other | its s | times as fast | peak MB | allowed MB |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let (seconds, megabytes) = (row.ours.median(), row.bytes as f64 / 1e6);
-        let (name, other, ratio) = row.others.fastest().map_or_else(
+/// The head of the table.
+pub(crate) const HEAD: &str = "\
+| format | file | MB | surfels | triangles | s | MB/s | fastest other | its s | times as fast | peak MB | allowed MB |
+|---|---|---|---|---|---|---|---|---|---|---|---|";
+
+/// The head of the others' table.
+pub(crate) const OTHERS_HEAD: &str = "\
+| file | reader | s | peak MB | points | triangles |
+|---|---|---|---|---|---|";
+
+impl Row {
+    /// The line of the table.
+    pub(crate) fn line(&self) -> String {
+        let (seconds, megabytes) = (self.ours.median(), self.bytes as f64 / 1e6);
+        let (name, other, ratio) = self.others.fastest().map_or_else(
             || ("none".to_owned(), "–".to_owned(), "–".to_owned()),
             |(name, measured)| {
                 let median = measured.median();
@@ -38,38 +43,35 @@ pub(crate) fn markdown(rows: &[Row]) -> String {
                 )
             },
         );
-        let _ = writeln!(
-            text,
+        format!(
             "| {} | {} | {megabytes:.2} | {} | {} | {seconds:.4} | {:.0} | {name} | {other} | {ratio} | {:.1} | {:.1} |",
-            row.ours.format,
-            row.name(),
-            row.ours.surfels,
-            row.ours.triangles,
+            self.ours.format,
+            self.name(),
+            self.ours.surfels,
+            self.ours.triangles,
             megabytes / seconds,
-            row.ours.peak_bytes as f64 / 1e6,
-            allowed_bytes(row.bytes) as f64 / 1e6,
-        );
+            self.ours.peak_bytes as f64 / 1e6,
+            allowed_bytes(self.bytes) as f64 / 1e6,
+        )
     }
-    text.push_str(
-        "\n| file | reader | s | peak MB | points | triangles |\n|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        for (name, measured) in &row.others.0 {
-            let _ = writeln!(
-                text,
-                "| {} | {name} | {:.4} | {:.1} | {} | {} |",
-                row.name(),
-                measured.median(),
-                measured.peak_bytes as f64 / 1e6,
-                measured.surfels,
-                measured.triangles
-            );
-        }
-    }
-    text
-}
 
-impl Row {
+    /// The lines of the others.
+    pub(crate) fn lines_of_others(&self) -> Vec<String> {
+        let others = self.others.0.iter();
+        others
+            .map(|(name, measured)| {
+                format!(
+                    "| {} | {name} | {:.4} | {:.1} | {} | {} |",
+                    self.name(),
+                    measured.median(),
+                    measured.peak_bytes as f64 / 1e6,
+                    measured.surfels,
+                    measured.triangles
+                )
+            })
+            .collect()
+    }
+
     fn name(&self) -> String {
         let name = self.file.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
