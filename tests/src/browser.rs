@@ -1,8 +1,10 @@
 //! A web page in a browser without a window: what the browser makes of it.
 
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::time::Duration;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -17,7 +19,7 @@ const NAMES: [&str; 4] = [
 ];
 
 /// How long a page may take: a browser's first start on a busy machine is slow.
-const TIME_LIMIT: Duration = Duration::from_secs(90);
+const TIME_LIMIT: Duration = Duration::from_secs(180);
 
 /// Chromium, if there is one.
 pub fn find() -> Option<PathBuf> {
@@ -29,25 +31,62 @@ pub fn find() -> Option<PathBuf> {
     places.find(|place| place.is_file())
 }
 
-/// The page's document as the browser has it once its scripts have had their time.
+/// What the page tells the console in lines that begin with `mark`: the first `count` of them, without the mark.
+///
+/// The browser runs by the wall's clock and is ended once they have come.
 ///
 /// * `home`: a folder for the browser's own files.
 ///
 /// # Errors
-/// When the browser does not start or says nothing.
-pub fn document(browser: &Path, page: &Path, home: &Path) -> Result<String> {
+/// When the browser does not start, or tells fewer in time; with all that it said.
+pub fn told(
+    browser: &Path,
+    page: &Path,
+    home: &Path,
+    mark: &str,
+    count: usize,
+) -> Result<Vec<String>> {
     let mut command = open(browser, home);
     command
-        .args(["--virtual-time-budget=10000", "--window-size=1200,900"])
-        .arg("--dump-dom")
-        .arg(url(page));
-    let finished = finish(command, TIME_LIMIT).context("running the browser")?;
+        .args(["--enable-logging=stderr", "--window-size=1600,900"])
+        .arg(url(page))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut child = command.spawn().context("starting the browser")?;
+    let (send, lines) = channel();
+    let stderr = child.stderr.take().context("the browser has no log")?;
+    std::thread::spawn(move || {
+        let lines = BufReader::new(stderr).lines().map_while(Result::ok);
+        // The other end is gone once all was told.
+        for line in lines {
+            let _ = send.send(line);
+        }
+    });
+    let start = format!("\"{mark}");
+    let deadline = Instant::now() + TIME_LIMIT;
+    let (mut told, mut log) = (Vec::new(), String::new());
+    while told.len() < count {
+        let left = deadline.saturating_duration_since(Instant::now());
+        let Ok(line) = lines.recv_timeout(left) else {
+            break;
+        };
+        // `[…:CONSOLE:2] "mark and text", source: file:///… (2)`
+        let text = line.split_once(&start).map(|(_, text)| text);
+        if let Some((text, _)) = text.and_then(|text| text.rsplit_once("\", source: ")) {
+            told.push(text.to_owned());
+        }
+        log.push_str(&line);
+        log.push('\n');
+    }
+    child.kill().context("ending the browser")?;
+    child.wait().context("ending the browser")?;
     ensure!(
-        finished.stdout.contains("<html"),
-        "the browser showed no document: {}",
-        finished.stderr
+        told.len() == count,
+        "the page told {} of {count} in {} s: {log}",
+        told.len(),
+        TIME_LIMIT.as_secs()
     );
-    Ok(finished.stdout)
+    Ok(told)
 }
 
 /// What the page looks like in a window of this size, px.

@@ -57,12 +57,7 @@ addEventListener('load', async () => {
 
 /// The page in two frames: as wide as a desk's window, and as a phone.
 const AROUND: &str = "<!DOCTYPE html><html><body>
-<script>addEventListener('message', (e) => {
-  const text = document.createElement('p');
-  text.className = 'found';
-  text.textContent = e.data;
-  document.body.append(text);
-});</script>
+<script>addEventListener('message', (e) => console.log('found ' + e.data));</script>
 <iframe src='probed.html' width=1100 height=800></iframe><iframe src='probed.html' width=375 height=800></iframe>
 </body></html>";
 
@@ -73,25 +68,10 @@ fn probed(browser: &Path, folder: &Path) -> Result<Vec<Value>> {
     let page = page.replacen("</body>", &format!("{PROBE}</body>"), 1);
     std::fs::write(folder.join("probed.html"), page)?;
     std::fs::write(folder.join("around.html"), AROUND)?;
-    // The browser's clock runs ahead of its pictures on a busy machine, and the page is closed before both frames have spoken.
-    const TRIES: usize = 3;
-    let mut document = String::new();
-    for _ in 0..TRIES {
-        document = browser::document(browser, &folder.join("around.html"), folder)?;
-        if document.matches("<p class=\"found\">").count() == 2 {
-            break;
-        }
-    }
-    let told = document.split("<p class=\"found\">").skip(1);
-    let told = told.map(|part| {
-        let text = part.split("</p>").next().unwrap_or_default();
-        let text = text
-            .replace("&quot;", "\"")
-            .replace("&gt;", ">")
-            .replace("&lt;", "<");
-        serde_json::from_str(&text.replace("&amp;", "&")).with_context(|| text.clone())
-    });
-    told.collect()
+    let told = browser::told(browser, &folder.join("around.html"), folder, "found ", 2)?;
+    let told = told.iter();
+    told.map(|text| serde_json::from_str(text).with_context(|| text.clone()))
+        .collect()
 }
 
 #[test]
@@ -111,7 +91,6 @@ fn the_report_works_in_a_browser_on_a_desk_and_on_a_phone() -> Result<()> {
     let finished = shell.run(&line)?;
     assert_eq!(finished.code(), Some(0), "{}", finished.stderr);
     let found = probed(&browser, &shell.folder().join("apart"))?;
-    assert_eq!(found.len(), 2, "{found:#?}");
     for found in &found {
         let said = format!("{found:#}");
         let count = |key: &str| found[key].as_u64().with_context(|| said.clone());
