@@ -11,6 +11,11 @@
 //! | [`COLOUR`] | 4, [`encode_colour`] | sRGB with straight alpha |
 //! | [`AXES`] | 32, [`TangentAxes`] | tangent half-axes u and v of an elliptical surfel, object space |
 //! | [`TRIANGLES`] | 12 a triangle | three vertex indices, counted over the whole object |
+//! | [`TRIANGLE_TEXTURES`] | 4 a triangle | number of its texture, `u32::MAX` for none |
+//! | [`TRIANGLE_UVS`] | 24 a triangle | u and v of each corner, f32; v from the top |
+//! | [`TEXTURE_FILE`] | as the file has | a whole PNG or JPEG file; one column for each texture, in the order of their numbers |
+//!
+//! What belongs to triangles, and the files, is on the CPU only, but for the triangles themselves.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
@@ -25,6 +30,13 @@ pub const COLOUR: &str = "colour";
 pub const AXES: &str = "axes";
 /// Name of the triangle list of an object.
 pub const TRIANGLES: &str = "triangles";
+
+/// Name of an object's column that says which texture each triangle takes.
+pub const TRIANGLE_TEXTURES: &str = "triangle_textures";
+/// Name of an object's column of texture coordinates of its triangles' corners.
+pub const TRIANGLE_UVS: &str = "triangle_uvs";
+/// Name of an object's columns that are the files of its textures.
+pub const TEXTURE_FILE: &str = "texture_file";
 
 /// The most surfels that a block may hold: 4 Mi.
 ///

@@ -41,7 +41,8 @@
 //! ```
 
 use crate::abi::{
-    self, ClaimLevel, ColumnRole, LoadColumnRecord, LoadRowsRecord, LoadSinkRef, ScalarType,
+    self, ClaimLevel, ColumnRole, ErrorCode, LoadColumnRecord, LoadRowsRecord, LoadSinkRef,
+    LoadTextureRecord, ScalarType,
 };
 use crate::error::{Result, from_border};
 use crate::host::{Host, Progress};
@@ -51,6 +52,9 @@ use std::path::Path;
 
 /// Bytes at a file's start that a loader sees before it claims the file.
 pub const START_BYTES: usize = 4096;
+
+/// Stands for the texture of a polygon that has none.
+pub const NO_TEXTURE: u32 = u32::MAX;
 
 /// A loader of one file format. It has no state: every call says all.
 pub trait Loader: 'static {
@@ -198,6 +202,8 @@ pub(crate) trait Sink {
     fn add(&self, rows: &LoadRowsRecord<'_>) -> Result<()>;
     fn connect(&self, lengths: &[u32], corners: &[u32]) -> Result<()>;
     fn note(&self, text: &str, count: u64);
+    fn keep(&self, texture: &LoadTextureRecord<'_>) -> Result<u32>;
+    fn cover(&self, textures: &[u32], uvs: &[[f32; 2]]) -> Result<()>;
 }
 
 impl Sink for LoadSinkRef<'_> {
@@ -215,6 +221,14 @@ impl Sink for LoadSinkRef<'_> {
 
     fn note(&self, text: &str, count: u64) {
         self.warn(RStr::from_str(text), count);
+    }
+
+    fn keep(&self, texture: &LoadTextureRecord<'_>) -> Result<u32> {
+        from_border(self.texture(texture))
+    }
+
+    fn cover(&self, textures: &[u32], uvs: &[[f32; 2]]) -> Result<()> {
+        from_border(self.polygon_textures(RSlice::from_slice(textures), RSlice::from_slice(uvs)))
     }
 }
 
@@ -278,6 +292,33 @@ impl<'a> Output<'a> {
             return Err("corners of polygons came without lengths".into());
         }
         self.sink.connect(lengths, corners)
+    }
+
+    /// Keeps the picture of a texture with the object: its name and a whole PNG or JPEG file. Gives its number, counted from 0;
+    /// `None` by a host that keeps none, which takes no [`polygon_textures`](Self::polygon_textures) either (before 1.2).
+    ///
+    /// # Errors
+    /// It comes before the columns, or the load was cancelled.
+    pub fn texture(&mut self, name: &str, file: &[u8]) -> Result<Option<u32>> {
+        let kept = self.sink.keep(&LoadTextureRecord {
+            name: RStr::from_str(name),
+            file: RSlice::from_slice(file),
+        });
+        match kept {
+            Err(error) if error.code == ErrorCode::UNSUPPORTED => Ok(None),
+            other => other.map(Some),
+        }
+    }
+
+    /// Textures of the next polygons that have none yet, in the order in which polygons and triangles were added: the number of
+    /// each one's texture, or [`NO_TEXTURE`], and texture coordinates of all their corners. v counts from the top of the
+    /// picture, NaN stands for none, and what lies outside 0 to 1 repeats the picture.
+    ///
+    /// # Errors
+    /// There are not so many polygons, the coordinates do not add up to their corners, there is no such texture, or the load was
+    /// cancelled.
+    pub fn polygon_textures(&mut self, textures: &[u32], uvs: &[[f32; 2]]) -> Result<()> {
+        self.sink.cover(textures, uvs)
     }
 
     /// Notes what was done, but not as asked; equal texts are one warning with the sum of their counts. 0 notes nothing.

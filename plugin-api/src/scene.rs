@@ -115,10 +115,34 @@ impl<'a> Object<'a> {
         bytemuck::try_cast_slice(column.bytes()).ok()
     }
 
+    /// Textures on the triangles, where the object's file had some. Its surfels have the means of their texels as colours.
+    pub fn textures(&self) -> Option<Textures<'a>> {
+        let column = |name| self.column(name).map(|column| column.bytes());
+        let files = self.record.columns.as_slice().iter();
+        let files = files.filter(|record| record.name.as_str() == columns::TEXTURE_FILE);
+        Some(Textures {
+            of_triangle: bytemuck::try_cast_slice(column(columns::TRIANGLE_TEXTURES)?).ok()?,
+            uvs: bytemuck::try_cast_slice(column(columns::TRIANGLE_UVS)?).ok()?,
+            files: files.map(|record| record.bytes.as_slice()).collect(),
+        })
+    }
+
     /// A column of the object as a whole.
     pub fn column(&self, name: &str) -> Option<Column<'a>> {
         find_column(self.record.columns.as_slice(), name)
     }
+}
+
+/// The textures of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Textures<'a> {
+    /// Number of each triangle's texture; one that is not in `files` means none.
+    pub of_triangle: &'a [u32],
+    /// Texture coordinates of each triangle's corners: v counts from the top of the picture, NaN stands for none, and what
+    /// lies outside 0 to 1 repeats the picture.
+    pub uvs: &'a [[[f32; 2]; 3]],
+    /// Whole PNG or JPEG files.
+    pub files: Vec<&'a [u8]>,
 }
 
 /// A run of surfels whose columns lie together.
@@ -280,5 +304,71 @@ impl<'a> Changes<'a> {
 impl BufferRef {
     fn new(handle: Handle) -> Option<Self> {
         handle.is_some().then_some(Self(handle))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abi_stable::std_types::{RSlice, RStr};
+
+    fn column<'a>(
+        name: &'a str,
+        scalar: ScalarType,
+        components: u32,
+        bytes: &'a [u8],
+    ) -> ColumnRecord<'a> {
+        ColumnRecord {
+            name: RStr::from_str(name),
+            scalar,
+            components,
+            revision: 1,
+            bytes: RSlice::from_slice(bytes),
+            buffer: Handle::NONE,
+        }
+    }
+
+    #[test]
+    fn textures_are_columns_of_the_object() {
+        let uvs = [[[0.0_f32, 0.5], [1.0, 0.5], [1.0, 0.0]]];
+        let columns = [
+            column(
+                columns::TRIANGLE_TEXTURES,
+                ScalarType::U32,
+                1,
+                bytemuck::cast_slice(&[1_u32]),
+            ),
+            column(
+                columns::TRIANGLE_UVS,
+                ScalarType::F32,
+                6,
+                bytemuck::cast_slice(&uvs),
+            ),
+            column(columns::TEXTURE_FILE, ScalarType::U8, 1, b"first"),
+            column(columns::TEXTURE_FILE, ScalarType::U8, 1, b"second"),
+        ];
+        let record = |columns| ObjectRecord {
+            id: 1,
+            name: RStr::from_str("square"),
+            flags: ObjectFlags::VISIBLE,
+            revision: 1,
+            world_from_object: DMat4::IDENTITY.to_cols_array(),
+            material: MaterialRecord {
+                ambient: 1.0,
+                diffuse: 1.0,
+                specular: 0.0,
+                shininess: 1.0,
+            },
+            bounds: [[0.0; 3]; 2],
+            surfel_count: 3,
+            blocks: RSlice::EMPTY,
+            columns: RSlice::from_slice(columns),
+        };
+        let all = record(&columns);
+        let textures = Object { record: &all }.textures().expect("it has some");
+        assert_eq!((textures.of_triangle, textures.uvs), (&[1][..], &uvs[..]));
+        assert_eq!(textures.files, [&b"first"[..], b"second"]);
+        let some = record(&columns[1..]);
+        assert!(Object { record: &some }.textures().is_none());
     }
 }

@@ -130,13 +130,19 @@ fn column_names(geometry: &Geometry) -> impl Iterator<Item = String> {
         columns::AXES,
         columns::TRIANGLES,
     ];
+    let textures = [
+        columns::TRIANGLE_TEXTURES,
+        columns::TRIANGLE_UVS,
+        columns::TEXTURE_FILE,
+    ];
     let named = geometry
         .blocks
         .first()
         .into_iter()
         .flat_map(|block| &block.named)
         .map(|column| column.name.to_string());
-    own.into_iter().map(String::from).chain(named)
+    let own = own.into_iter().chain(textures);
+    own.map(String::from).chain(named)
 }
 
 /// Address and length of a column in each block: columns are immutable once shared, so equal parts are equal values.
@@ -150,6 +156,16 @@ fn column_parts(geometry: &Geometry, name: &str) -> Option<Vec<(usize, usize)>> 
             .triangles
             .as_ref()
             .map(|triangles| vec![part(triangles)]);
+    }
+    let textures = geometry.textures.as_ref();
+    match name {
+        columns::TRIANGLE_TEXTURES => return Some(vec![part(&textures?.of_triangle)]),
+        columns::TRIANGLE_UVS => return Some(vec![part(&textures?.uvs)]),
+        columns::TEXTURE_FILE => {
+            let files = textures?.pictures.iter();
+            return Some(files.map(|file| part(&file.bytes)).collect());
+        }
+        _ => {}
     }
     let of_block = |block: &Block| match name {
         columns::POSITION_RADIUS => Some(part(&block.position_radius)),

@@ -8,6 +8,7 @@ use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, decode_normal};
 use crate::bounds::Bounds;
 use crate::framing::framed_bounds;
 use crate::scene::Revision;
+use crate::textures::Textures;
 
 /// Everything that an object's surfels are made of. Columns sit behind `Arc`, so a clone is cheap and shares them.
 #[derive(Clone, Debug)]
@@ -16,6 +17,8 @@ pub struct Geometry {
     pub blocks: Vec<Block>,
     /// Triangles; each names three surfels, counted over all blocks.
     pub triangles: Option<Arc<[[u32; 3]]>>,
+    /// Pictures on the triangles, where the file had textures.
+    pub textures: Option<Arc<Textures>>,
     /// Box around the centres, local: f32 values, relative to the object's origin.
     pub bounds: Bounds,
     /// Surfels in all blocks.
@@ -202,6 +205,7 @@ impl Geometry {
         Self {
             blocks,
             triangles,
+            textures: None,
             bounds,
             surfel_count,
             origins,
@@ -236,12 +240,12 @@ impl Geometry {
             .map_or(0, |triangles| triangles.len())
     }
 
-    /// Bytes of all columns and triangles.
+    /// Bytes of all columns, triangles and textures.
     pub fn byte_count(&self) -> usize {
         self.columns().map(|(_, bytes)| bytes).sum()
     }
 
-    /// Address and size in bytes of every column and of the triangles. Geometries that share a column give the same
+    /// Address and size in bytes of every column, of the triangles and of their textures. Geometries that share a column give the same
     /// address for it.
     pub fn columns(&self) -> impl Iterator<Item = (usize, usize)> {
         fn part<T>(column: &Arc<[T]>) -> (usize, usize) {
@@ -264,10 +268,16 @@ impl Geometry {
             let named: Vec<_> = named.iter().map(|column| part(&column.bytes)).collect();
             standard.into_iter().flatten().chain(named)
         };
+        let textures = self.textures.iter().flat_map(|textures| {
+            let on_triangles = [part(&textures.of_triangle), part(&textures.uvs)];
+            let files = textures.pictures.iter().map(|picture| part(&picture.bytes));
+            on_triangles.into_iter().chain(files)
+        });
         self.blocks
             .iter()
             .flat_map(of_block)
             .chain(self.triangles.as_ref().map(part))
+            .chain(textures)
     }
 
     /// Takes a new revision; call after changing anything.

@@ -24,6 +24,7 @@ mod marks;
 mod moved;
 mod save;
 mod scene;
+mod textures;
 mod warnings;
 
 pub use bounds::Bounds;
@@ -43,6 +44,8 @@ pub use load::{
     UnknownLoader, Winding, load, load_with,
 };
 pub use marks::{MarkMode, Marks};
+pub use pointstage_texels::PictureFile;
 pub use save::{PlyEncoding, SaveError, SaveFormat, save, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
+pub use textures::{NO_PICTURE, Textures};
 pub use warnings::{Warning, WarningKind, Warnings};

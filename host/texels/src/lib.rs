@@ -13,5 +13,5 @@ pub use beside::{BesideError, read_beside};
 pub use divide::{Divided, FINE_ENOUGH, MOST_VERTICES, divide};
 pub use footprint::Wrap;
 pub use light::{LightSum, linear, linear_of, srgb, srgb_byte};
-pub use picture::{Alpha, MOST_TEXELS, Picture, PictureError};
-pub use surface::{Material, NO_MATERIAL, Surface, colours, face_colours};
+pub use picture::{Alpha, MOST_TEXELS, Picture, PictureError, PictureFile};
+pub use surface::{Material, NO_MATERIAL, Surface, colours, face_colours, picture_files};

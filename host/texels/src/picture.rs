@@ -6,6 +6,7 @@
 //! the picture.
 
 use std::io::Cursor;
+use std::sync::Arc;
 
 use image::{ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
@@ -52,9 +53,30 @@ pub enum Alpha {
     Ignored,
 }
 
+/// A picture as its file holds it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PictureFile {
+    /// What the mesh's file calls it.
+    pub name: Arc<str>,
+    /// A whole PNG or JPEG file.
+    pub bytes: Arc<[u8]>,
+}
+
+impl PictureFile {
+    /// Extension of a file of its kind: `png` or `jpg`.
+    pub fn extension(&self) -> &'static str {
+        match image::guess_format(&self.bytes) {
+            Ok(ImageFormat::Png) => "png",
+            _ => "jpg",
+        }
+    }
+}
+
 /// A picture.
 #[derive(Debug)]
 pub struct Picture {
+    /// What it was decoded from, for those that keep it.
+    file: Option<PictureFile>,
     /// The picture, then smaller and smaller ones down to one texel.
     levels: Vec<Level>,
 }
@@ -75,6 +97,19 @@ enum Texels {
 }
 
 impl Picture {
+    /// Decodes a PNG or JPEG file, and keeps it with its name.
+    ///
+    /// # Errors
+    /// As of [`decode`](Self::decode).
+    pub fn of_file(name: &str, bytes: Vec<u8>, alpha: Alpha) -> Result<Self, PictureError> {
+        let mut picture = Self::decode(&bytes, alpha)?;
+        picture.file = Some(PictureFile {
+            name: name.into(),
+            bytes: bytes.into(),
+        });
+        Ok(picture)
+    }
+
     /// Decodes a PNG or JPEG file.
     ///
     /// # Errors
@@ -133,7 +168,12 @@ impl Picture {
             let next = last.halved();
             levels.push(next);
         }
-        Self { levels }
+        Self { file: None, levels }
+    }
+
+    /// The file that it was made [of](Self::of_file).
+    pub fn file(&self) -> Option<&PictureFile> {
+        self.file.as_ref()
     }
 
     /// Texels in a row, and rows.

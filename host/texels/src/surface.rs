@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::footprint::Wrap;
 use crate::light::LightSum;
-use crate::picture::Picture;
+use crate::picture::{Picture, PictureFile};
 
 /// Stands for the material of a triangle that has none.
 pub const NO_MATERIAL: u32 = u32::MAX;
@@ -79,6 +79,23 @@ impl Material {
             light.map(|light| std::array::from_fn(|channel| light[channel] * factor[channel]));
         multiplied.or_else(|| self.plain.map(cover))
     }
+}
+
+/// The files of the materials' pictures, each once, and for each material the index of its own; [`NO_MATERIAL`] for one without.
+pub fn picture_files(materials: &[Material]) -> (Vec<PictureFile>, Vec<u32>) {
+    let mut files: Vec<PictureFile> = Vec::new();
+    let index = |material: &Material| {
+        let Some(file) = material.picture.as_ref().and_then(|picture| picture.file()) else {
+            return NO_MATERIAL;
+        };
+        let known = files.iter().position(|known| known == file);
+        known.unwrap_or_else(|| {
+            files.push(file.clone());
+            files.len() - 1
+        }) as u32
+    };
+    let indices = materials.iter().map(index).collect();
+    (files, indices)
 }
 
 impl Surface {

@@ -1,6 +1,6 @@
 //! Files into columns: what a loader is asked, what it is lent, and where it puts what it reads. Since 1.1.
 
-use super::objects::{CallRef, ExtensionBox, HostRef};
+use super::objects::{CallRef, ExtensionBox, HostRef, unsupported};
 use super::scene::ScalarType;
 use super::values::{ErrorRecord, SettingRecord, open_number};
 use abi_stable::sabi_types::RRef;
@@ -73,6 +73,16 @@ pub struct LoadRowsRecord<'a> {
     pub columns: RSlice<'a, RSlice<'a, u8>>,
 }
 
+/// The picture of a texture.
+#[repr(C)]
+#[derive(StableAbi, Clone, Copy, Debug)]
+pub struct LoadTextureRecord<'a> {
+    /// What the file calls it.
+    pub name: RStr<'a>,
+    /// A whole PNG or JPEG file.
+    pub file: RSlice<'a, u8>,
+}
+
 /// Where a loader puts what it reads; the host checks every length. Thread: any, while the call lasts.
 #[sabi_trait]
 pub trait LoadSinkObject: Send + Sync {
@@ -95,6 +105,19 @@ pub trait LoadSinkObject: Send + Sync {
     fn warn(&self, text: RStr<'_>, count: u64);
     #[sabi(last_prefix_field)]
     fn extension(&self, name: RStr<'_>) -> ROption<ExtensionBox>;
+    /// Keeps a texture's picture with the object; its number, counted from 0. Since 1.2.
+    fn texture(&self, _texture: &LoadTextureRecord<'_>) -> RResult<u32, ErrorRecord> {
+        unsupported("this host keeps no textures")
+    }
+    /// The textures of the next polygons that have none yet, in the order in which they were added: the number of each one's texture,
+    /// `u32::MAX` for none, and the texture coordinates of all their corners, v from the top of the picture. Since 1.2.
+    fn polygon_textures(
+        &self,
+        _textures: RSlice<'_, u32>,
+        _uvs: RSlice<'_, [f32; 2]>,
+    ) -> RResult<(), ErrorRecord> {
+        unsupported("this host keeps no textures")
+    }
 }
 pub type LoadSinkRef<'a> = LoadSinkObject_TO<'a, RRef<'a, ()>>;
 

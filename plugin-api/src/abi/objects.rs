@@ -215,7 +215,7 @@ pub trait SelectorObject: Send {
 pub type SelectorBox = SelectorObject_TO<'static, RBox<()>>;
 
 /// An error value for what a side does not offer.
-fn unsupported<T>(what: &str) -> RResult<T, ErrorRecord> {
+pub(super) fn unsupported<T>(what: &str) -> RResult<T, ErrorRecord> {
     RResult::RErr(ErrorRecord {
         code: ErrorCode::UNSUPPORTED,
         message: RString::from(what),

@@ -4,7 +4,7 @@ use pointstage_plugin_api::abi::ScalarType;
 use pointstage_plugin_api::glam::DVec3;
 use pointstage_plugin_api::loading::{Column, Output, bytes_of};
 use pointstage_plugin_api::{ColumnRole, Progress, Result};
-use pointstage_texels::face_colours;
+use pointstage_texels::{PictureFile, face_colours};
 
 use crate::textured::Meets;
 
@@ -27,6 +27,17 @@ pub(crate) struct Mesh {
     pub(crate) lengths: Vec<u32>,
     /// Corners of all polygons.
     pub(crate) corners: Vec<u32>,
+    pub(crate) textures: FaceTextures,
+}
+
+/// Pictures that polygons take.
+#[derive(Debug, Default)]
+pub(crate) struct FaceTextures {
+    pub(crate) files: Vec<PictureFile>,
+    /// Index of each polygon's file, or `NO_TEXTURE`; nothing without files.
+    pub(crate) faces: Vec<u32>,
+    /// Texture coordinates of all corners, v from the top.
+    pub(crate) uvs: Vec<[f32; 2]>,
 }
 
 impl Mesh {
@@ -81,6 +92,19 @@ impl Mesh {
             let (corners, others) = rest.split_at(corner_count.min(rest.len()));
             rest = others;
             out.polygons(lengths, corners)?;
+        }
+        self.textures.write(out)
+    }
+}
+
+impl FaceTextures {
+    fn write(&self, out: &mut Output<'_>) -> Result<()> {
+        let mut is_kept = !self.files.is_empty();
+        for file in &self.files {
+            is_kept &= out.texture(&file.name, &file.bytes)?.is_some();
+        }
+        if is_kept {
+            out.polygon_textures(&self.faces, &self.uvs)?;
         }
         Ok(())
     }

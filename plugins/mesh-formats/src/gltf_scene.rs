@@ -88,7 +88,7 @@ fn read(
     reader.read_scene(&document)?;
     let Reader {
         mut mesh,
-        textured,
+        mut textured,
         left_out,
         ..
     } = reader;
@@ -114,7 +114,9 @@ fn read_picture(
     buffers: &[buffer::Data],
     alpha: Alpha,
 ) -> std::result::Result<Picture, String> {
-    let decode = |bytes: &[u8]| Picture::decode(bytes, alpha).map_err(|error| error.to_string());
+    let decode = |name: &str, bytes: Vec<u8>| {
+        Picture::of_file(name, bytes, alpha).map_err(|error| error.to_string())
+    };
     match source {
         image::Source::View { view, .. } => {
             let end = view.offset().checked_add(view.length());
@@ -122,15 +124,17 @@ fn read_picture(
                 .get(view.buffer().index())
                 .zip(end)
                 .and_then(|(buffer, end)| buffer.get(view.offset()..end));
-            decode(bytes.ok_or("it lies outside its buffer")?)
+            decode("", bytes.ok_or("it lies outside its buffer")?.to_vec())
         }
         image::Source::Uri { uri, .. } if data_url::is(uri) => {
-            decode(&data_url::bytes(uri).ok_or("its data URL cannot be decoded")?)
+            let bytes = data_url::bytes(uri).ok_or("its data URL cannot be decoded")?;
+            decode("", bytes)
         }
         image::Source::Uri { uri, .. } => {
             let name = data_url::percent_decoded(uri);
-            let bytes = read_beside(file, &String::from_utf8_lossy(&name));
-            decode(&bytes.map_err(|error| error.to_string())?)
+            let name = String::from_utf8_lossy(&name);
+            let bytes = read_beside(file, &name).map_err(|error| error.to_string())?;
+            decode(&name, bytes)
         }
     }
 }

@@ -5,15 +5,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use pointstage_plugin_api::glam::DVec3;
-use pointstage_plugin_api::loading::Output;
+use pointstage_plugin_api::loading::{NO_TEXTURE, Output};
 use pointstage_plugin_api::{Error, Progress, Result, Settings};
 use pointstage_texels::polygon::triangulate;
 use pointstage_texels::{
     Alpha, LightSum, MOST_VERTICES, Material, NO_MATERIAL, Picture, Surface, colours, divide,
-    linear, read_beside, srgb,
+    linear, picture_files, read_beside, srgb,
 };
 
-use crate::columns::Mesh;
+use crate::columns::{FaceTextures, Mesh};
 
 /// What is made of textures, as the setting `textures` says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,7 +69,7 @@ impl Pictures {
         let read = read_beside(file, name)
             .map_err(|error| error.to_string())
             .and_then(|bytes| {
-                Picture::decode(&bytes, Alpha::Respected).map_err(|error| error.to_string())
+                Picture::of_file(name, bytes, Alpha::Respected).map_err(|error| error.to_string())
             });
         let picture = match read {
             Ok(picture) => Some(Arc::new(picture)),
@@ -108,9 +108,9 @@ impl Textured {
             .any(|material| material.picture.is_some())
     }
 
-    /// Colours the mesh, and divides it if `how` says so.
+    /// Colours the mesh, and divides it if `how` says so. The mesh takes over what faces say of their textures.
     pub(crate) fn colour(
-        &self,
+        &mut self,
         mesh: &mut Mesh,
         how: Textures,
         meets: Meets,
@@ -119,6 +119,7 @@ impl Textured {
     ) -> Result<()> {
         progress.set(0.5, "taking colours from textures");
         let mut surface = self.surface(mesh);
+        let mut is_divided = false;
         if how == Textures::Divide {
             let divided = divide(&mut surface, &self.materials, MOST_VERTICES, || {
                 progress.check()
@@ -127,14 +128,36 @@ impl Textured {
                 &format!("the texture is finer than {MOST_VERTICES} vertices can show: they take the mean of many texels"),
                 u64::from(divided.is_cut_short),
             );
+            is_divided = !divided.parents.is_empty();
             mesh.divide(&divided.parents, &surface, self.is_from_bottom);
         }
+        self.keep(is_divided.then_some(&surface), mesh);
         let sums = colours(&surface, &self.materials, |done| {
             progress.set(0.5 + 0.5 * done, "taking colours from textures");
             progress.check()
         })?;
         mesh.take_light(&sums, meets);
         Ok(())
+    }
+
+    /// Gives the mesh the pictures of its faces: those of `divided` if it has become that.
+    fn keep(&mut self, divided: Option<&Surface>, mesh: &mut Mesh) {
+        let (files, indices) = picture_files(&self.materials);
+        if files.is_empty() {
+            return;
+        }
+        let of = |material: &u32| {
+            let index = indices.get(*material as usize);
+            index.copied().unwrap_or(NO_TEXTURE)
+        };
+        let (faces, mut uvs) = match divided {
+            Some(surface) => (&surface.materials, surface.uvs.as_flattened().to_vec()),
+            None => (&self.faces, std::mem::take(&mut self.uvs)),
+        };
+        let mut faces: Vec<u32> = faces.iter().map(of).collect();
+        faces.resize(mesh.lengths.len(), NO_TEXTURE);
+        uvs.resize(mesh.corners.len(), [f32::NAN; 2]);
+        mesh.textures = FaceTextures { files, faces, uvs };
     }
 
     /// The mesh's faces as triangles; what names no vertex, or is no face, is left to the host, which counts it.

@@ -8,6 +8,7 @@ mod commands;
 mod convert;
 mod damage;
 mod found;
+mod kept_textures;
 mod meshes;
 mod points;
 mod scans;

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::meshes::{colours, lines};
 
 /// A square of two triangles on the left half of a picture, as OBJ.
-const SQUARE: &str = "\
+pub(crate) const SQUARE: &str = "\
 mtllib square.mtl
 v 0 0 0 0 1 0
 v 1 0 0 0 1 0
@@ -27,22 +27,22 @@ usemtl wood
 f 1/1 2/2 3/3 4/4
 ";
 
-const LIBRARY: &str = "newmtl wood\nKd 0 0 1\nmap_Kd maps\\my wood.png\n";
+pub(crate) const LIBRARY: &str = "newmtl wood\nKd 0 0 1\nmap_Kd maps\\my wood.png\n";
 
 /// Left half red, right half white, as wide as it is high.
-fn halves(side: u32) -> RgbImage {
+pub(crate) fn halves(side: u32) -> RgbImage {
     RgbImage::from_fn(side, side, |x, _| {
         Rgb(if 2 * x < side { [255, 0, 0] } else { [255; 3] })
     })
 }
 
-fn encoded(picture: &RgbImage, format: ImageFormat) -> Result<Vec<u8>> {
+pub(crate) fn encoded(picture: &RgbImage, format: ImageFormat) -> Result<Vec<u8>> {
     let mut file = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut file, format)?;
     Ok(file.into_inner())
 }
 
-fn load(loaders: &Loaders, path: &Path, loader: &str, textures: &str) -> Result<Loaded> {
+pub(crate) fn load(loaders: &Loaders, path: &Path, loader: &str, textures: &str) -> Result<Loaded> {
     let value = SettingValue::Choice(textures.to_owned());
     let options = LoadOptions {
         loader: Some(LoaderChoice {
@@ -133,7 +133,7 @@ fn a_missing_texture_is_a_warning_that_names_it_and_leaves_the_plain_colour() ->
 }
 
 /// A square of two triangles with a texture as one binary file, and a point that takes a texel.
-fn glb(picture: &[u8], material: &Value) -> Vec<u8> {
+pub(crate) fn glb(picture: &[u8], material: &Value) -> Vec<u8> {
     let positions: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let uvs: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
     let colours: [[u8; 4]; 4] = [[255, 255, 255, 255]; 4];

@@ -71,6 +71,12 @@ fn facts(path: &Path, loaded: &Loaded) -> Value {
             })
         })
         .collect();
+    let textures: Vec<Value> = geometry
+        .textures
+        .iter()
+        .flat_map(|textures| &textures.pictures)
+        .map(|picture| json!({ "name": &*picture.name, "bytes": picture.bytes.len() }))
+        .collect();
     let bounds = object.bounds_world();
     let bounds = (!bounds.is_empty()).then(|| {
         json!({
@@ -86,6 +92,7 @@ fn facts(path: &Path, loaded: &Loaded) -> Value {
         "format": loader.title,
         "surfels": geometry.surfel_count,
         "triangles": geometry.triangles.as_ref().map_or(0, |triangles| triangles.len()),
+        "textures": textures,
         "blocks": geometry.blocks.len(),
         "normals": provenance(geometry.origins.normals),
         "radii": provenance(geometry.origins.radii),
@@ -144,6 +151,19 @@ fn lines(facts: &Value) -> Vec<String> {
         .collect();
     if !columns.is_empty() {
         line("  columns", columns.join(", "));
+    }
+    let textures: Vec<String> = facts["textures"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .map(|picture| {
+            let name = picture["name"].as_str().filter(|name| !name.is_empty());
+            let name = name.unwrap_or("inside the file");
+            format!("{name} ({} bytes)", picture["bytes"])
+        })
+        .collect();
+    if !textures.is_empty() {
+        line("  textures", textures.join(", "));
     }
     let vector = |value: &Value| {
         let numbers = value.as_array().into_iter().flatten();

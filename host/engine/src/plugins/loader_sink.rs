@@ -7,7 +7,7 @@ use abi_stable::std_types::{ROption, RResult, RSlice, RStr, RString};
 use pointstage_plugin_api::abi::{
     CallObject, CallObject_TO, CallRef, ColumnRole as BorderRole, ErrorCode, ErrorRecord,
     ExtensionBox, LoadColumnRecord, LoadRowsRecord, LoadSinkObject, LoadSinkObject_TO, LoadSinkRef,
-    ScalarType as BorderScalar,
+    LoadTextureRecord, ScalarType as BorderScalar,
 };
 use pointstage_scene::{
     ColumnRole, ColumnSpec, Job, ObjectBuilder, ScalarType, WarningKind, Warnings,
@@ -207,6 +207,29 @@ impl LoadSinkObject for Sink<'_> {
 
     fn extension(&self, _name: RStr<'_>) -> ROption<ExtensionBox> {
         ROption::RNone
+    }
+
+    fn texture(&self, texture: &LoadTextureRecord<'_>) -> RResult<u32, ErrorRecord> {
+        let mut number = 0;
+        let kept = self.change(|state| {
+            let name = shorten(texture.name.as_str(), LONGEST_TEXT);
+            number = state.builder()?.add_picture(name, texture.file.as_slice());
+            Ok(())
+        });
+        kept.map(|()| number)
+    }
+
+    fn polygon_textures(
+        &self,
+        textures: RSlice<'_, u32>,
+        uvs: RSlice<'_, [f32; 2]>,
+    ) -> RResult<(), ErrorRecord> {
+        self.change(|state| {
+            state
+                .builder()?
+                .add_polygon_pictures(textures.as_slice(), uvs.as_slice())
+                .map_err(|error| error.to_string())
+        })
     }
 }
 

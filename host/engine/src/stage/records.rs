@@ -171,21 +171,27 @@ pub(super) fn block_columns<'a>(
 }
 
 fn object_columns<'a>(object: &'a Object, lookup: Lookup<'_>) -> Vec<ColumnRecord<'a>> {
-    let revision = object.geometry.revision.number();
-    let triangles = object.geometry.triangles.as_ref();
-    triangles
-        .map(|triangles| {
-            record(
-                columns::TRIANGLES,
-                Scalar::U32,
-                3,
-                bytemuck::cast_slice(triangles),
-                revision,
-                lookup,
-            )
-        })
-        .into_iter()
-        .collect()
+    let geometry = &object.geometry;
+    let revision = geometry.revision.number();
+    let of_object =
+        |name, scalar, components, bytes| record(name, scalar, components, bytes, revision, lookup);
+    let mut records = Vec::new();
+    if let Some(triangles) = &geometry.triangles {
+        let bytes = bytemuck::cast_slice(triangles);
+        records.push(of_object(columns::TRIANGLES, Scalar::U32, 3, bytes));
+    }
+    if let Some(textures) = &geometry.textures {
+        let of_triangle = bytemuck::cast_slice(&textures.of_triangle);
+        let uvs = bytemuck::cast_slice(&textures.uvs);
+        records.extend([
+            of_object(columns::TRIANGLE_TEXTURES, Scalar::U32, 1, of_triangle),
+            of_object(columns::TRIANGLE_UVS, Scalar::F32, 6, uvs),
+        ]);
+        let files = textures.pictures.iter();
+        records
+            .extend(files.map(|file| of_object(columns::TEXTURE_FILE, Scalar::U8, 1, &file.bytes)));
+    }
+    records
 }
 
 fn record<'a>(

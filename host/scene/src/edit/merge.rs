@@ -15,6 +15,7 @@ use crate::geometry::{Block, Geometry, NamedColumn, Origins, Provenance};
 use crate::load::origin_for;
 use crate::moved::Moved;
 use crate::scene::Object;
+use crate::textures::{NO_PICTURE, Textures, TriangleTextures};
 
 /// Linear grey of surfels without a colour, as renderers draw them.
 const MID_GREY: f32 = 0.5;
@@ -102,7 +103,8 @@ pub fn merge(objects: &[&Object], name: impl Into<String>) -> Result<Object, Mer
         .map(|start| columns.block(&parts, start..count.min(start + MAX_BLOCK_SURFELS)))
         .collect();
     let triangles = has_triangles.then(|| triangles(&parts));
-    let geometry = Geometry::new(blocks, triangles, origins(objects));
+    let mut geometry = Geometry::new(blocks, triangles, origins(objects));
+    geometry.textures = textures(&parts);
     let mut merged = Object::new(name, origin, geometry);
     merged.world_from_object = world_from_object;
     merged.placed = world_from_object;
@@ -273,6 +275,30 @@ fn triangles(parts: &[Part<'_>]) -> Arc<[[u32; 3]]> {
         triangles.collect::<Vec<_>>()
     };
     parts.iter().flat_map(of_part).collect()
+}
+
+/// What all triangles take from pictures; `None` if no part has any.
+fn textures(parts: &[Part<'_>]) -> Option<Arc<Textures>> {
+    let (mut all, mut pictures, mut triangles) = (TriangleTextures::default(), Vec::new(), 0);
+    for part in parts {
+        let geometry = &part.object.geometry;
+        if let Some(own) = &geometry.textures {
+            let first = pictures.len() as u32;
+            let is_mirrored = part.moved.is_some_and(|moved| moved.mirror < 0.0);
+            pictures.extend(own.pictures.iter().cloned());
+            for (picture, &[a, b, c]) in own.of_triangle.iter().zip(own.uvs.iter()) {
+                let [b, c] = if is_mirrored { [c, b] } else { [b, c] };
+                let picture = match *picture {
+                    NO_PICTURE => NO_PICTURE,
+                    picture => first + picture,
+                };
+                all.push(picture, [a, b, c]);
+            }
+        }
+        triangles += geometry.triangle_count();
+        all.fill(triangles);
+    }
+    all.with(pictures)
 }
 
 /// Of each column, what is least certain of those that have it.

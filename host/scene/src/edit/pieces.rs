@@ -10,6 +10,7 @@ use crate::geometry::{Block, Geometry, NamedColumn};
 use crate::job::{Cancelled, Job};
 use crate::marks::Marks;
 use crate::scene::{Object, ObjectId, Revision};
+use crate::textures::{Textures, TriangleTextures};
 
 /// The marked surfels of a geometry with all their columns, in their order; where these came from is kept. Of a mesh, those
 /// triangles remain whose three corners are marked.
@@ -29,12 +30,15 @@ pub fn extract(geometry: &Geometry, marks: &Marks, job: &Job) -> Result<Geometry
         let done = (number + 1) * MAX_BLOCK_SURFELS;
         job.set_progress_within(&(0.0..0.8), done.min(kept.len()), kept.len());
     }
-    let triangles = match &geometry.triangles {
+    let left = match &geometry.triangles {
         Some(triangles) => remaining(triangles, &kept, geometry.surfel_count, job)?,
-        None => None,
+        None => Vec::new(),
     };
     job.check()?;
-    Ok(Geometry::new(blocks, triangles, geometry.origins))
+    let triangles = (!left.is_empty()).then(|| left.iter().map(|(_, corners)| *corners).collect());
+    let mut piece = Geometry::new(blocks, triangles, geometry.origins);
+    piece.textures = textures(geometry, &left);
+    Ok(piece)
 }
 
 /// What is left of an object's geometry when its marked surfels are deleted; `None` if nothing is.
@@ -140,25 +144,35 @@ fn gather_bytes(
 /// Number of a surfel that is not kept: no object has so many.
 const GONE: u32 = u32::MAX;
 
-/// Triangles whose corners are all kept, with the numbers that these have then; `None` if none is left.
+/// What these triangles of a geometry take from its pictures.
+fn textures(geometry: &Geometry, left: &[(usize, [u32; 3])]) -> Option<Arc<Textures>> {
+    let all = geometry.textures.as_ref()?;
+    let mut own = TriangleTextures::default();
+    for (triangle, _) in left {
+        own.push(*all.of_triangle.get(*triangle)?, *all.uvs.get(*triangle)?);
+    }
+    own.with(all.pictures.clone())
+}
+
+/// Triangles whose corners are all kept: the number that each has, and those that its corners have then.
 fn remaining(
     triangles: &[[u32; 3]],
     kept: &[usize],
     surfel_count: usize,
     job: &Job,
-) -> Result<Option<Arc<[[u32; 3]]>>, Cancelled> {
+) -> Result<Vec<(usize, [u32; 3])>, Cancelled> {
     job.check()?;
     let mut numbers = vec![GONE; surfel_count];
     for (number, &surfel) in (0..GONE).zip(kept) {
         numbers[surfel] = number;
     }
     job.check()?;
-    let renumbered = |triangle: &[u32; 3]| {
+    let renumbered = |(number, triangle): (usize, &[u32; 3])| {
         let corners = triangle.map(|corner| numbers.get(corner as usize).copied().unwrap_or(GONE));
-        (!corners.contains(&GONE)).then_some(corners)
+        (!corners.contains(&GONE)).then_some((number, corners))
     };
-    let left: Vec<[u32; 3]> = triangles.par_iter().filter_map(renumbered).collect();
-    Ok((!left.is_empty()).then(|| left.into()))
+    let all = triangles.par_iter().enumerate();
+    Ok(all.filter_map(renumbered).collect())
 }
 
 #[cfg(test)]

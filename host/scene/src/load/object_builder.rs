@@ -3,15 +3,18 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use pointstage_texels::PictureFile;
+
 use super::LoadOptions;
 use super::assemble::{
-    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, MOST_VERTICES, NamedRole, Roles,
-    Table, TableColumn, Triangles, build, finish,
+    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, FileFaces, MOST_VERTICES,
+    NamedRole, Roles, Table, TableColumn, Triangles, build, finish,
 };
 use super::error::LoadStop;
 use super::loader::Contents;
 use crate::geometry::ScalarType;
 use crate::job::Job;
+use crate::textures::NO_PICTURE;
 use crate::warnings::{WarningKind, Warnings};
 
 /// What a column means.
@@ -121,6 +124,12 @@ pub enum BuildError {
         /// Corners handed over.
         found: u64,
     },
+    /// Textures of polygons that are none, or of no polygons.
+    #[error("textures of polygons: {problem}")]
+    Textures {
+        /// What does not fit.
+        problem: String,
+    },
     /// More surfels than an index can name.
     #[error("the file has more than {MOST_VERTICES} surfels; split it")]
     TooMany,
@@ -137,6 +146,9 @@ pub struct ObjectBuilder {
     /// Lengths of the polygons; none while all are triangles.
     lengths: Option<Vec<u32>>,
     corners: Vec<u32>,
+    pictures: Vec<PictureFile>,
+    /// Of the first polygons.
+    textures: FaceData,
     warnings: Warnings,
 }
 
@@ -170,6 +182,8 @@ impl ObjectBuilder {
             rows: 0,
             lengths: None,
             corners: Vec::new(),
+            pictures: Vec::new(),
+            textures: FaceData::default(),
             warnings: Warnings::new(),
         })
     }
@@ -248,6 +262,55 @@ impl ObjectBuilder {
         Ok(())
     }
 
+    /// Keeps a picture with the object; its number.
+    pub fn add_picture(&mut self, name: &str, file: &[u8]) -> u32 {
+        self.pictures.push(PictureFile {
+            name: name.into(),
+            bytes: file.into(),
+        });
+        self.pictures.len() as u32 - 1
+    }
+
+    /// Says which pictures the next polygons that have none yet take, in the order in which polygons and triangles were added:
+    /// the number of each one's, or [`NO_PICTURE`](crate::NO_PICTURE), and texture coordinates of all their corners, v from the
+    /// top of the picture.
+    ///
+    /// # Errors
+    /// There are not so many polygons, or their corners are not as many as the coordinates, or there is no such picture;
+    /// nothing is noted then.
+    pub fn add_polygon_pictures(
+        &mut self,
+        pictures: &[u32],
+        uvs: &[[f32; 2]],
+    ) -> Result<(), BuildError> {
+        let problem = |problem: String| Err(BuildError::Textures { problem });
+        let first = self.textures.pictures.len();
+        let polygons = first..first + pictures.len();
+        let corners = match &self.lengths {
+            None => (polygons.end <= self.corners.len() / 3).then_some(3 * pictures.len() as u64),
+            Some(lengths) => lengths
+                .get(polygons)
+                .map(|lengths| lengths.iter().map(|length| u64::from(*length)).sum()),
+        };
+        let Some(corners) = corners else {
+            return problem(format!("there are no {} more of them", pictures.len()));
+        };
+        if corners != uvs.len() as u64 {
+            return problem(format!(
+                "{corners} corners came with {} coordinates",
+                uvs.len()
+            ));
+        }
+        let lacks =
+            |picture: &u32| *picture != NO_PICTURE && *picture as usize >= self.pictures.len();
+        if let Some(picture) = pictures.iter().find(|picture| lacks(picture)) {
+            return problem(format!("there is no texture {picture}"));
+        }
+        self.textures.pictures.extend_from_slice(pictures);
+        self.textures.uvs.extend_from_slice(uvs);
+        Ok(())
+    }
+
     /// Notes what was done, but not as asked.
     pub fn warn(&mut self, kind: WarningKind, count: u64) {
         self.warnings.add(kind, count);
@@ -263,7 +326,10 @@ impl ObjectBuilder {
             return Err(BuildError::Nothing.into());
         }
         job.set_stage("building columns");
-        let faces = self.take_faces();
+        let faces = FileFaces {
+            corners: self.take_faces(),
+            pictures: std::mem::take(&mut self.pictures),
+        };
         let tables: Vec<(ColumnSpec, Table<'static>)> = self
             .columns
             .into_iter()
@@ -285,7 +351,12 @@ impl ObjectBuilder {
         if corners.is_empty() {
             return Vec::new();
         }
-        let Some(lengths) = self.lengths.take() else {
+        let data = std::mem::take(&mut self.textures);
+        let mut lengths = self.lengths.take();
+        if !data.pictures.is_empty() {
+            lengths = lengths.or_else(|| Some(vec![3; corners.len() / 3]));
+        }
+        let Some(lengths) = lengths else {
             let triangles: Arc<[[u32; 3]]> = corners.as_chunks::<3>().0.into();
             let degenerate = triangles
                 .iter()
@@ -302,7 +373,7 @@ impl ObjectBuilder {
             lengths,
             corners,
             with_holes: 0,
-            data: FaceData::default(),
+            data,
         })]
     }
 }

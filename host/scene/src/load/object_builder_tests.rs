@@ -104,3 +104,60 @@ fn triangles_and_polygons_may_come_in_any_order() {
         1
     );
 }
+
+#[test]
+fn pictures_are_of_the_polygons_that_came_first() {
+    let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    let uv = |corner: usize| [square[corner][0] as f32, square[corner][1] as f32];
+    builder.add_rows(4, &[cast_slice(&square)]).expect("four");
+    builder.add_triangles(&[[0, 1, 2]]);
+    let picture = builder.add_picture("wood", b"\x89PNG\r\n\x1a\n");
+    let problem = |outcome: Result<(), BuildError>| outcome.expect_err("wrong").to_string();
+    let wrong = builder.add_polygon_pictures(&[picture, picture], &[[0.0; 2]; 6]);
+    assert!(problem(wrong).contains("no 2 more"));
+    let wrong = builder.add_polygon_pictures(&[picture], &[[0.0; 2]; 4]);
+    assert!(problem(wrong).contains("3 corners came with 4"));
+    let wrong = builder.add_polygon_pictures(&[1], &[[0.0; 2]; 3]);
+    assert!(problem(wrong).contains("no texture 1"));
+    builder
+        .add_polygon_pictures(&[NO_PICTURE], &[[0.0; 2]; 3])
+        .expect("one triangle");
+    // A corner twice is dropped, and its coordinates with it; a surfel that never comes drops the face.
+    builder
+        .add_polygons(&[5, 3, 3], &[3, 3, 0, 1, 2, 0, 1, 9, 0, 2, 3])
+        .expect("eleven corners");
+    let own = [[9.0; 2], uv(3), uv(0), uv(1), uv(2), uv(0), uv(1), [0.5; 2]];
+    builder
+        .add_polygon_pictures(&[picture, picture], &own)
+        .expect("two polygons");
+    let contents = builder
+        .finish(&file_only(), &Job::new())
+        .expect("an object");
+    let geometry = contents.geometry;
+    let triangles = geometry.triangles.as_ref().expect("a mesh");
+    assert_eq!(triangles.len(), 4);
+    let textures = geometry.textures.as_ref().expect("textures");
+    assert_eq!(*textures.of_triangle, [NO_PICTURE, 0, 0, NO_PICTURE]);
+    for triangle in 1..3 {
+        let corners = triangles[triangle].map(|corner| match corner {
+            // The first of the two.
+            3 => [9.0; 2],
+            corner => uv(corner as usize),
+        });
+        assert_eq!(textures.uvs[triangle], corners);
+    }
+    assert!(
+        textures.uvs[3]
+            .as_flattened()
+            .iter()
+            .all(|value| value.is_nan())
+    );
+    assert_eq!(textures.pictures[0].extension(), "png");
+    assert!(geometry.byte_count() > 4 * 16 + 4 * 12 + 4 * 28);
+}

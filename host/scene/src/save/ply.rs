@@ -68,6 +68,13 @@ pub fn write_ply(
     let world_from_local = object.world_from_local();
     let moved = (world_from_local != DAffine3::IDENTITY).then(|| Moved::new(world_from_local));
     let names = names(&present, &mut warnings);
+    if let Some(textures) = &geometry.textures {
+        let text = "textures are left out: the surfels keep the colours of their texels";
+        warnings.add(
+            WarningKind::Other(text.into()),
+            textures.pictures.len() as u64,
+        );
+    }
     let header = header(object, encoding, &present, &names, moved.is_some());
     out.write_all(header.as_bytes())?;
     let mut saving = Saving::new(job, geometry.surfel_count + geometry.triangle_count());

@@ -145,5 +145,18 @@ pub(crate) fn describe(object: &Object) -> Vec<String> {
             columns.join(", ")
         });
     }
+    if let Some(textures) = &geometry.textures {
+        let names = textures
+            .pictures
+            .iter()
+            .map(|picture| match &*picture.name {
+                "" => "inside the file",
+                name => name,
+            });
+        lines.push(format!(
+            "textures: {}",
+            names.collect::<Vec<_>>().join(", ")
+        ));
+    }
     lines
 }

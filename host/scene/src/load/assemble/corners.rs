@@ -38,9 +38,10 @@ pub(in crate::load) struct CornerLists {
 /// What faces say of their colour. What a file does not say stays empty.
 #[derive(Clone, Debug, Default)]
 pub(in crate::load) struct FaceData {
-    /// Texture coordinates of each corner, as the file has them; NaN for those that a face leaves out.
+    /// Texture coordinates of each corner; NaN for those that a face leaves out. A reader may hold them as its file does, but
+    /// hands them over with v from the top of the picture.
     pub(in crate::load) uvs: Vec<[f32; 2]>,
-    /// Which of the file's pictures each face takes.
+    /// Which of the file's pictures each face takes; of one that lacks, none is taken.
     pub(in crate::load) pictures: Vec<u32>,
     /// Colour of each face, sRGB with straight alpha, 0 to 1.
     pub(in crate::load) colours: Vec<[f32; 4]>,

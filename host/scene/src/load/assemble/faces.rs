@@ -6,9 +6,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use pointstage_texels::polygon::{Cut, triangulate};
 
-use super::corners::{CornerLists, Corners, FaceKind, STRIP_END};
+use super::corners::{CornerLists, Corners, FaceData, FaceKind, STRIP_END};
 use crate::estimate::Polygons;
 use crate::job::{Cancelled, Job};
+use crate::textures::TriangleTextures;
 use crate::warnings::{WarningKind, Warnings};
 
 /// Rows treated between two looks at the cancel flag.
@@ -20,6 +21,8 @@ pub(in crate::load) struct Faces {
     pub(in crate::load) triangles: Arc<[[u32; 3]]>,
     /// `None` when every face was a triangle.
     pub(in crate::load) polygons: Option<Polygons>,
+    /// What triangles take from pictures, where faces say so.
+    pub(in crate::load) textures: Option<TriangleTextures>,
 }
 
 /// The vertices as faces see them.
@@ -62,6 +65,7 @@ pub(in crate::load) fn resolve(
             return Ok(Some(Faces {
                 triangles: only.corners.clone(),
                 polygons: None,
+                textures: None,
             }));
         }
     }
@@ -69,6 +73,7 @@ pub(in crate::load) fn resolve(
         vertices,
         triangles: Vec::new(),
         polygons: None,
+        textures: None,
         warnings,
     };
     for corners in elements {
@@ -77,7 +82,7 @@ pub(in crate::load) fn resolve(
                 for piece in triangles.corners.chunks(ROWS_A_PIECE) {
                     job.check()?;
                     for triangle in piece {
-                        builder.add_triangle(*triangle);
+                        builder.add_triangle(*triangle, None);
                     }
                 }
             }
@@ -87,13 +92,17 @@ pub(in crate::load) fn resolve(
     let Builder {
         triangles,
         polygons,
+        mut textures,
         ..
     } = builder;
+    if let Some(textures) = &mut textures {
+        textures.fill(triangles.len());
+    }
     let faces = Faces {
         triangles: triangles.into(),
         polygons,
+        textures,
     };
-
     Ok((!faces.triangles.is_empty()).then_some(faces))
 }
 
@@ -102,13 +111,36 @@ struct Builder<'a, 'v> {
     triangles: Vec<[u32; 3]>,
     /// Every face, triangles too, from the first one on that is no triangle.
     polygons: Option<Polygons>,
-
+    /// From the first face on that has a picture; of no more triangles than there are.
+    textures: Option<TriangleTextures>,
     warnings: &'a mut Warnings,
+}
+
+/// What a face takes from a picture.
+#[derive(Clone, Copy)]
+struct Look<'a> {
+    picture: u32,
+    /// Of its corners.
+    uvs: &'a [[f32; 2]],
+}
+
+impl<'a> Look<'a> {
+    /// Of face `face`, whose corners begin with `first` of all; `None` without a picture.
+    fn of(data: &'a FaceData, face: usize, first: usize) -> Option<Self> {
+        Some(Self {
+            picture: *data.pictures.get(face)?,
+            uvs: data.uvs.get(first..)?,
+        })
+    }
+
+    fn of_corners(self, corners: [usize; 3]) -> [[f32; 2]; 3] {
+        corners.map(|corner| self.uvs.get(corner).copied().unwrap_or([f32::NAN; 2]))
+    }
 }
 
 impl Builder<'_, '_> {
     /// A triangle as the file has it.
-    fn add_triangle(&mut self, corners: [u32; 3]) {
+    fn add_triangle(&mut self, corners: [u32; 3], look: Option<Look<'_>>) {
         let resolved = corners.map(|corner| self.vertices.resolve(corner));
         let [Some(a), Some(b), Some(c)] = resolved else {
             self.warnings.add(WarningKind::FacesOutOfRangeDropped, 1);
@@ -119,8 +151,18 @@ impl Builder<'_, '_> {
             return;
         }
         self.triangles.push([a, b, c]);
+        self.add_look(look, [0, 1, 2]);
         if let Some(polygons) = &mut self.polygons {
             polygons.push(&[a, b, c]);
+        }
+    }
+
+    /// What the last triangle takes, whose corners are these of its face.
+    fn add_look(&mut self, look: Option<Look<'_>>, corners: [usize; 3]) {
+        if let Some(look) = look {
+            let textures = self.textures.get_or_insert_default();
+            textures.fill(self.triangles.len() - 1);
+            textures.push(look.picture, look.of_corners(corners));
         }
     }
 
@@ -133,10 +175,14 @@ impl Builder<'_, '_> {
             if row % ROWS_A_PIECE == 0 {
                 job.check()?;
             }
+            let first = lists.corners.len() - rest.len();
             let (corners, others) = rest.split_at((*length as usize).min(rest.len()));
             rest = others;
             match lists.kind {
-                FaceKind::Polygons => self.add_polygon(corners, &mut scratch),
+                FaceKind::Polygons => {
+                    let look = Look::of(&lists.data, row, first);
+                    self.add_polygon(corners, look, &mut scratch);
+                }
                 FaceKind::Strips => {
                     for strip in corners.split(|corner| *corner == STRIP_END) {
                         self.add_strip(strip);
@@ -153,30 +199,34 @@ impl Builder<'_, '_> {
             let [a, b, c] = [window[0], window[1], window[2]];
             // Strips repeat corners to turn; such triangles are no faces.
             if a != b && b != c && a != c {
-                self.add_triangle(if index % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                let turned = if index % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                self.add_triangle(turned, None);
             }
         }
     }
 
-    fn add_polygon(&mut self, corners: &[u32], scratch: &mut Scratch) {
+    fn add_polygon(&mut self, corners: &[u32], look: Option<Look<'_>>, scratch: &mut Scratch) {
         if let [a, b, c] = *corners {
-            self.add_triangle([a, b, c]);
+            self.add_triangle([a, b, c], look);
             return;
         }
         let Scratch {
             indices,
+            places,
             centres,
             seen,
             triangles,
         } = scratch;
         indices.clear();
-        for corner in corners {
+        places.clear();
+        for (place, corner) in corners.iter().enumerate() {
             let Some(index) = self.vertices.resolve(*corner) else {
                 self.warnings.add(WarningKind::FacesOutOfRangeDropped, 1);
                 return;
             };
             if indices.last() != Some(&index) {
                 indices.push(index);
+                places.push(place);
             }
         }
         // Some files repeat the first corner at the end.
@@ -198,11 +248,13 @@ impl Builder<'_, '_> {
         self.polygons
             .get_or_insert_with(|| Polygons::from_triangles(&self.triangles))
             .push(indices);
-        let named = triangles
-            .iter()
-            .map(|triangle| triangle.map(|corner| indices[corner]));
-        self.triangles
-            .extend(named.filter(|[a, b, c]| a != b && b != c && a != c));
+        for triangle in &*triangles {
+            let [a, b, c] = triangle.map(|corner| indices[corner]);
+            if a != b && b != c && a != c {
+                self.triangles.push([a, b, c]);
+                self.add_look(look, triangle.map(|corner| places[corner]));
+            }
+        }
     }
 }
 
@@ -210,6 +262,8 @@ impl Builder<'_, '_> {
 #[derive(Default)]
 struct Scratch {
     indices: Vec<u32>,
+    /// Which of the face's corners they are.
+    places: Vec<usize>,
     centres: Vec<DVec3>,
     seen: HashSet<u32>,
     triangles: Vec<[usize; 3]>,

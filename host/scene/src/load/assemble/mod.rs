@@ -14,6 +14,7 @@ mod table;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
+use pointstage_texels::PictureFile;
 
 pub(in crate::load) use build::{Built, build};
 pub(in crate::load) use corners::{
@@ -32,6 +33,7 @@ use crate::estimate::{Neighbours, Orientation, Polygons, complete};
 use crate::geometry::{Block, Geometry};
 use crate::job::{Cancelled, Job};
 use crate::scene::Revision;
+use crate::textures::TriangleTextures;
 use crate::warnings::{WarningKind, Warnings};
 use faces::{Faces, Vertices};
 
@@ -54,11 +56,28 @@ pub(in crate::load) enum AssembleError {
     Cancelled(#[from] Cancelled),
 }
 
+/// What a file says of its faces.
+#[derive(Debug, Default)]
+pub(in crate::load) struct FileFaces {
+    pub(in crate::load) corners: Vec<Corners>,
+    /// What [`FaceData::pictures`] counts.
+    pub(in crate::load) pictures: Vec<PictureFile>,
+}
+
+impl From<Vec<Corners>> for FileFaces {
+    fn from(corners: Vec<Corners>) -> Self {
+        Self {
+            corners,
+            pictures: Vec::new(),
+        }
+    }
+}
+
 /// Adds to the columns what the faces say and what the file lacks; reports progress from 0.4 on.
 pub(in crate::load) fn finish(
     built: Built,
     row_count: usize,
-    faces: Vec<Corners>,
+    FileFaces { corners, pictures }: FileFaces,
     options: &LoadOptions,
     job: &Job,
     mut warnings: Warnings,
@@ -74,6 +93,7 @@ pub(in crate::load) fn finish(
     let mut geometry = Geometry {
         blocks,
         triangles: None,
+        textures: None,
         bounds,
         surfel_count,
         origins,
@@ -81,15 +101,16 @@ pub(in crate::load) fn finish(
         framed: std::sync::OnceLock::new(),
     };
     job.set_progress(0.4);
-    let polygons = add_faces(
+    let (polygons, textures) = add_faces(
         &mut geometry,
-        faces,
+        corners,
         row_count,
         new_index.as_deref(),
         options,
         job,
         &mut warnings,
     )?;
+    geometry.textures = textures.and_then(|textures| textures.with(pictures));
     drop(new_index);
     job.set_progress(0.5);
     add_missing(
@@ -109,16 +130,16 @@ pub(in crate::load) fn finish(
     })
 }
 
-/// Adds the triangles; returns the polygons that they were cut from, if any had more corners.
+/// Adds the triangles; returns the polygons that they were cut from, if any had more corners, and what they take from pictures.
 fn add_faces(
     geometry: &mut Geometry,
-    faces: Vec<Corners>,
+    corners: Vec<Corners>,
     row_count: usize,
     new_index: Option<&[u32]>,
     options: &LoadOptions,
     job: &Job,
     warnings: &mut Warnings,
-) -> Result<Option<Polygons>, Cancelled> {
+) -> Result<(Option<Polygons>, Option<TriangleTextures>), Cancelled> {
     let centre = |index: u32| geometry.centre(index as usize).unwrap_or(DVec3::NAN);
     let vertices = Vertices {
         row_count,
@@ -128,9 +149,10 @@ fn add_faces(
     let Some(Faces {
         mut triangles,
         mut polygons,
-    }) = faces::resolve(faces, &vertices, job, warnings)?
+        mut textures,
+    }) = faces::resolve(corners, &vertices, job, warnings)?
     else {
-        return Ok(None);
+        return Ok((None, None));
     };
     if options.winding == Winding::Flipped {
         for triangle in Arc::make_mut(&mut triangles) {
@@ -139,10 +161,13 @@ fn add_faces(
         if let Some(polygons) = &mut polygons {
             polygons.flip();
         }
+        for uvs in textures.iter_mut().flat_map(|textures| &mut textures.uvs) {
+            uvs.swap(1, 2);
+        }
         warnings.add(WarningKind::Flipped, 1);
     }
     geometry.triangles = Some(triangles);
-    Ok(polygons)
+    Ok((polygons, textures))
 }
 
 /// Completes normals and radii as far as the options say, and looks which way the mesh is wound.

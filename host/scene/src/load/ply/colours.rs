@@ -16,16 +16,16 @@ use pointstage_plugin_api::settings_schema::{
     snapshot,
 };
 use pointstage_texels::{
-    Alpha, LightSum, MOST_VERTICES, Material, Picture, Surface, colours, divide, face_colours,
-    linear, polygon::triangulate, read_beside, srgb_byte,
+    Alpha, LightSum, MOST_VERTICES, Material, NO_MATERIAL, Picture, PictureFile, Surface, colours,
+    divide, face_colours, linear, picture_files, polygon::triangulate, read_beside, srgb_byte,
 };
 
 use super::body::{Body, Stop};
 use crate::geometry::{Provenance, ScalarType};
 use crate::job::Job;
 use crate::load::assemble::{
-    Built, ByteOrder, CornerLists, Corners, FaceKind, Roles, RowSelection, Table, TableColumn,
-    Triangles, write_native,
+    Built, ByteOrder, CornerLists, Corners, FaceData, FaceKind, Roles, RowSelection, Table,
+    TableColumn, write_native,
 };
 use crate::warnings::{WarningKind, Warnings};
 
@@ -97,6 +97,15 @@ impl Textures {
     }
 }
 
+/// What pictures and faces give.
+#[derive(Default)]
+pub(super) struct Found {
+    /// Colours for rows of the vertices.
+    pub(super) lights: Option<Vec<LightSum>>,
+    /// What the faces' data count then.
+    pub(super) pictures: Vec<PictureFile>,
+}
+
 /// Colours for rows of the vertices, where pictures or faces give any. Adds rows to the body where triangles are divided.
 pub(super) fn find(
     body: &mut Body<'_>,
@@ -105,20 +114,20 @@ pub(super) fn find(
     how: Textures,
     job: &Job,
     warnings: &mut Warnings,
-) -> Result<Option<Vec<LightSum>>, Stop> {
+) -> Result<Found, Stop> {
     let Some(positions) = positions(body) else {
-        return Ok(None);
+        return Ok(Found::default());
     };
     let corner_uvs = body.faces.iter().any(|faces| match faces {
         Corners::Lists(lists) => !lists.data.uvs.is_empty(),
         Corners::Triangles(_) => false,
     });
     let row_uvs = if corner_uvs { None } else { row_uvs(body) };
-    let mut found = None;
     if how != Textures::None && !names.is_empty() && (corner_uvs || row_uvs.is_some()) {
         let materials = read_pictures(names, file, warnings);
         if materials.iter().any(|material| material.picture.is_some()) {
             let mut surface = surface(body, positions.clone(), row_uvs.as_deref());
+            let mut is_divided = false;
             if how == Textures::Divide && !has_strips(body) {
                 job.set_stage("dividing triangles");
                 let divided = divide(&mut surface, &materials, MOST_VERTICES, || job.check())?;
@@ -131,20 +140,31 @@ pub(super) fn find(
                 if !divided.parents.is_empty() {
                     extend_tables(body, &divided.parents);
                     body.faces = vec![triangles_of(&surface)];
+                    is_divided = true;
                 }
             }
             job.set_stage("taking colours from textures");
-            found = Some(colours(&surface, &materials, |_| job.check())?);
+            let lights = Some(colours(&surface, &materials, |_| job.check())?);
             if corner_uvs {
                 add_uvs(body, &surface);
             }
-            return Ok(found);
+            let (pictures, indices) = picture_files(&materials);
+            if !is_divided {
+                for faces in &mut body.faces {
+                    keep_places(faces, row_uvs.as_deref());
+                }
+            }
+            for faces in &mut body.faces {
+                number_pictures(faces, &indices);
+            }
+            return Ok(Found { lights, pictures });
         }
     }
     if corner_uvs {
         let surface = surface(body, positions.clone(), None);
         add_uvs(body, &surface);
     }
+    let mut lights = None;
     for faces in &body.faces {
         if let Corners::Lists(CornerLists {
             lengths,
@@ -164,7 +184,7 @@ pub(super) fn find(
                 Some([linear(red), linear(green), linear(blue), alpha])
             };
             let lengths = lengths.iter().copied();
-            found = Some(face_colours(
+            lights = Some(face_colours(
                 positions.len(),
                 lengths,
                 corners,
@@ -173,7 +193,10 @@ pub(super) fn find(
             ));
         }
     }
-    Ok(found)
+    Ok(Found {
+        lights,
+        pictures: Vec::new(),
+    })
 }
 
 /// Gives surfels the colours of their rows; where a row has none, the surfel keeps its own, or is white.
@@ -203,7 +226,7 @@ pub(super) fn apply(built: &mut Built, sums: &[LightSum]) {
 fn read_pictures(names: &[String], file: &Path, warnings: &mut Warnings) -> Vec<Material> {
     let read = |name: &String| {
         let bytes = read_beside(file, name).map_err(|error| error.to_string())?;
-        Picture::decode(&bytes, Alpha::Respected).map_err(|error| error.to_string())
+        Picture::of_file(name, bytes, Alpha::Respected).map_err(|error| error.to_string())
     };
     names
         .iter()
@@ -320,18 +343,62 @@ fn surface(body: &Body<'_>, positions: Vec<[f64; 3]>, row_uvs: Option<&[[f32; 2]
     surface
 }
 
-/// A surface's triangles as corners of a file.
+/// A surface's triangles as corners of a file, with what they take from pictures.
 fn triangles_of(surface: &Surface) -> Corners {
-    let corners = surface.triangles.as_flattened().iter().copied();
-    let degenerate = surface
-        .triangles
-        .iter()
-        .filter(|[a, b, c]| a == b || b == c || a == c);
-    Corners::Triangles(Triangles {
-        max_corner: corners.max().unwrap_or_default(),
-        degenerate_count: degenerate.count() as u64,
-        corners: surface.triangles.as_slice().into(),
+    Corners::Lists(CornerLists {
+        kind: FaceKind::Polygons,
+        lengths: vec![3; surface.triangles.len()],
+        corners: surface.triangles.as_flattened().to_vec(),
+        with_holes: 0,
+        data: FaceData {
+            uvs: surface.uvs.as_flattened().to_vec(),
+            pictures: surface.materials.clone(),
+            colours: Vec::new(),
+        },
     })
+}
+
+/// Texture coordinates of all corners from the top of the picture, those of `row_uvs` where faces have none of their own; the first
+/// picture where faces name none. Strips have neither.
+fn keep_places(faces: &mut Corners, row_uvs: Option<&[[f32; 2]]>) {
+    if let Corners::Triangles(triangles) = faces {
+        *faces = Corners::Lists(CornerLists {
+            kind: FaceKind::Polygons,
+            lengths: vec![3; triangles.corners.len()],
+            corners: triangles.corners.as_flattened().to_vec(),
+            with_holes: 0,
+            data: FaceData::default(),
+        });
+    }
+    let Corners::Lists(lists) = faces else {
+        return;
+    };
+    if lists.kind == FaceKind::Strips {
+        lists.data = FaceData::default();
+        return;
+    }
+    let FaceData { uvs, pictures, .. } = &mut lists.data;
+    if uvs.is_empty() {
+        let of_row = |row: &u32| {
+            let uv = row_uvs.and_then(|uvs| uvs.get(*row as usize));
+            uv.copied().unwrap_or([f32::NAN; 2])
+        };
+        uvs.extend(lists.corners.iter().map(of_row));
+    }
+    for [_, v] in uvs {
+        *v = 1.0 - *v;
+    }
+    pictures.resize(lists.lengths.len(), 0);
+}
+
+/// Pictures by their index among those that were read.
+fn number_pictures(faces: &mut Corners, indices: &[u32]) {
+    if let Corners::Lists(lists) = faces {
+        for picture in &mut lists.data.pictures {
+            let index = indices.get(*picture as usize);
+            *picture = index.copied().unwrap_or(NO_MATERIAL);
+        }
+    }
 }
 
 /// Adds a row for each pair of rows, in their middle: means of floats, bytes and 16-bit numbers, which measure; of longer whole

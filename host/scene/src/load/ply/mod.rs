@@ -25,13 +25,13 @@ mod words;
 pub use error::PlyError;
 
 use body::{Body, Stop};
-use colours::Textures;
+use colours::{Found, Textures};
 use header::PlyHeader;
 
 use pointstage_plugin_api::settings_schema::SettingValues;
 
 use super::LoadOptions;
-use super::assemble::{Roles, build, finish};
+use super::assemble::{FileFaces, Roles, build, finish};
 use super::error::LoadStop;
 use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
 use crate::job::Job;
@@ -97,8 +97,13 @@ fn read(
     let uses = plan::plan(&header)?;
     let mut body = Body::read(file, &header, &uses, job, &mut warnings)?;
     let (names, path) = (&header.textures, source.path());
-    let lights = colours::find(&mut body, names, path, textures, job, &mut warnings)?;
+    let Found { lights, pictures } =
+        colours::find(&mut body, names, path, textures, job, &mut warnings)?;
     let Body { tables, faces } = body;
+    let faces = FileFaces {
+        corners: faces,
+        pictures,
+    };
     job.set_progress(0.3);
     job.set_stage("building columns");
     // The plan found x and y, and an element's scalars all become columns.

@@ -17,7 +17,7 @@ use pointstage_plugin_api::columns::{colour_from_bytes, encode_normal};
 
 pub use error::QsError;
 
-use super::assemble::{Built, finish, origin_for};
+use super::assemble::{Built, FileFaces, finish, origin_for};
 use super::columns::Columns;
 use super::error::{LoadStop, excerpt};
 use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
@@ -216,5 +216,12 @@ fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Loa
         new_index: None,
         origins,
     };
-    Ok(finish(built, count, Vec::new(), options, job, warnings)?)
+    Ok(finish(
+        built,
+        count,
+        FileFaces::default(),
+        options,
+        job,
+        warnings,
+    )?)
 }

@@ -40,7 +40,7 @@ pub(crate) use property::{NAMED, NamedProperty, Property, SET_COLUMN};
 pub(crate) use tags::Tag;
 
 use super::LoadOptions;
-use super::assemble::{AssembleError, finish};
+use super::assemble::{AssembleError, FileFaces, finish};
 use super::error::LoadStop;
 use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
 use super::source::Source;
@@ -140,7 +140,7 @@ fn read(
     }
     drop(rows);
     file.release(0..file.len());
-    let finished = finish(built, count, Vec::new(), options, job, warnings);
+    let finished = finish(built, count, FileFaces::default(), options, job, warnings);
     let mut contents = finished.map_err(|error: AssembleError| LoadStop::from(error))?;
     contents.world_from_object = world_from_object;
     Ok(contents)

@@ -138,7 +138,14 @@ fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Loa
     } else {
         Vec::new()
     };
-    Ok(finish(built, vertex_count, faces, options, job, warnings)?)
+    Ok(finish(
+        built,
+        vertex_count,
+        faces.into(),
+        options,
+        job,
+        warnings,
+    )?)
 }
 
 /// The corners of the triangles, from 0.
