@@ -1,7 +1,6 @@
 //! What differs between two states of a scene.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use pointstage_plugin_api::columns;
 
@@ -148,7 +147,7 @@ fn column_names(geometry: &Geometry) -> impl Iterator<Item = String> {
 /// Address and length of a column in each block: columns are immutable once shared, so equal parts are equal values.
 /// `None` if the geometry has no such column.
 fn column_parts(geometry: &Geometry, name: &str) -> Option<Vec<(usize, usize)>> {
-    fn part<T>(column: &Arc<[T]>) -> (usize, usize) {
+    fn part<T>(column: &[T]) -> (usize, usize) {
         (column.as_ptr().addr(), column.len())
     }
     if name == columns::TRIANGLES {
@@ -169,9 +168,9 @@ fn column_parts(geometry: &Geometry, name: &str) -> Option<Vec<(usize, usize)>> 
     }
     let of_block = |block: &Block| match name {
         columns::POSITION_RADIUS => Some(part(&block.position_radius)),
-        columns::NORMAL => block.normal.as_ref().map(part),
-        columns::COLOUR => block.colour.as_ref().map(part),
-        columns::AXES => block.axes.as_ref().map(part),
+        columns::NORMAL => block.normal.as_deref().map(part),
+        columns::COLOUR => block.colour.as_deref().map(part),
+        columns::AXES => block.axes.as_deref().map(part),
         _ => block
             .named
             .iter()
@@ -187,6 +186,8 @@ fn column_parts(geometry: &Geometry, name: &str) -> Option<Vec<(usize, usize)>> 
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::geometry::Origins;
     use glam::{DAffine3, DVec3};

@@ -55,8 +55,8 @@ pub struct NamedColumn {
     pub scalar: ScalarType,
     /// Components a surfel.
     pub components: u32,
-    /// The values, native byte order, surfel by surfel.
-    pub bytes: Arc<[u8]>,
+    /// The values, native byte order, surfel by surfel. A vector, since what a loader collected becomes one without a copy.
+    pub bytes: Arc<Vec<u8>>,
 }
 
 /// Type of a scalar in a file or a named column.
@@ -248,8 +248,8 @@ impl Geometry {
     /// Address and size in bytes of every column, of the triangles and of their textures. Geometries that share a column give the same
     /// address for it.
     pub fn columns(&self) -> impl Iterator<Item = (usize, usize)> {
-        fn part<T>(column: &Arc<[T]>) -> (usize, usize) {
-            (column.as_ptr().addr(), size_of_val(&**column))
+        fn part<T>(column: &[T]) -> (usize, usize) {
+            (column.as_ptr().addr(), size_of_val(column))
         }
         let of_block = |block: &Block| {
             let Block {
@@ -261,9 +261,9 @@ impl Geometry {
             } = block;
             let standard = [
                 Some(part(position_radius)),
-                normal.as_ref().map(part),
-                colour.as_ref().map(part),
-                axes.as_ref().map(part),
+                normal.as_deref().map(part),
+                colour.as_deref().map(part),
+                axes.as_deref().map(part),
             ];
             let named: Vec<_> = named.iter().map(|column| part(&column.bytes)).collect();
             standard.into_iter().flatten().chain(named)
@@ -276,7 +276,7 @@ impl Geometry {
         self.blocks
             .iter()
             .flat_map(of_block)
-            .chain(self.triangles.as_ref().map(part))
+            .chain(self.triangles.as_deref().map(part))
             .chain(textures)
     }
 

@@ -1,6 +1,6 @@
 //! Extra bytes of LAS points: what the file's own description says of them (LAS 1.4, *Extra Bytes* record).
 
-use las::{Header, PointData};
+use las::Header;
 use pointstage_plugin_api::abi::ScalarType;
 use pointstage_plugin_api::loading::Column;
 
@@ -184,34 +184,42 @@ impl Extra {
         Column::named(&self.name, scalar, self.components as u32)
     }
 
-    /// The values of all points, in native byte order.
-    pub(crate) fn bytes(&self, points: &PointData) -> Vec<u8> {
-        let first = points.record_len() - usize::from(points.format().extra_bytes) + self.offset;
-        let size = self.kind.size();
-        let mut values = Vec::with_capacity(points.len() * size * self.components);
-        for record in points.raw_bytes().chunks_exact(points.record_len()) {
-            let own = &record[first..first + size * self.components];
-            for (component, bytes) in own.chunks_exact(size).enumerate() {
-                self.write(component, bytes, &mut values);
-            }
-        }
-        values
+    /// Bytes that it takes in its column, a point.
+    pub(crate) fn width(&self) -> usize {
+        let size = if self.measure.is_some() {
+            size_of::<f64>()
+        } else {
+            self.kind.size()
+        };
+        size * self.components
     }
 
-    fn write(&self, component: usize, bytes: &[u8], values: &mut Vec<u8>) {
+    /// Its values of some points, native byte order, into `out`: [`Self::width`] bytes a point. The records are `stride` bytes
+    /// long each, and their extra bytes begin at `first`.
+    pub(crate) fn write(&self, records: &[u8], stride: usize, first: usize, out: &mut [u8]) {
+        let size = self.kind.size();
+        let own = records.get(first + self.offset..).unwrap_or_default();
+        for (record, out) in own.chunks(stride).zip(out.chunks_exact_mut(self.width())) {
+            let values = out.chunks_exact_mut(out.len() / self.components);
+            for (component, (bytes, out)) in record.chunks_exact(size).zip(values).enumerate() {
+                self.write_one(component, bytes, out);
+            }
+        }
+    }
+
+    fn write_one(&self, component: usize, bytes: &[u8], out: &mut [u8]) {
         let is_wide = matches!(self.kind, Kind::U64 | Kind::I64);
         if self.measure.is_some() || is_wide {
             let number = self.kind.number(bytes);
             let value = self.measure.map_or(number, |measure| {
                 number * measure.scale[component] + measure.offset[component]
             });
-            values.extend(value.to_ne_bytes());
+            out.copy_from_slice(&value.to_ne_bytes());
             return;
         }
-        let start = values.len();
-        values.extend(bytes);
+        out.copy_from_slice(bytes);
         if cfg!(target_endian = "big") {
-            values[start..].reverse();
+            out.reverse();
         }
     }
 }
@@ -249,9 +257,17 @@ mod tests {
             facts,
             [("amplitude", 0, 1), ("height", 5, 1), ("extra_2", 7, 3)]
         );
-        let mut values = Vec::new();
-        found[1].write(0, &(-3_i16).to_le_bytes(), &mut values);
-        assert_eq!(values, 98.5_f64.to_ne_bytes());
+        // Records of the five extra bytes before the value and its own two, behind one byte of something else.
+        let mut records = [0; 16];
+        records[6..8].copy_from_slice(&(-3_i16).to_le_bytes());
+        records[14..16].copy_from_slice(&8_i16.to_le_bytes());
+        let mut values = [0; 16];
+        found[1].write(&records, 8, 1, &mut values);
+        let expected = [98.5_f64.to_ne_bytes(), 104.0_f64.to_ne_bytes()].concat();
+        assert_eq!(values[..], expected);
+        let mut values = [0; 2];
+        found[0].write(&[9, 1, 2, 0, 0, 0, 0, 0, 9, 3, 4], 8, 1, &mut values);
+        assert_eq!(values, [1, 3]);
     }
 
     #[test]

@@ -1,47 +1,18 @@
 //! LAS, its compressed form LAZ, and COPC, which is a LAZ file with an index that is not needed to read all of it.
 
-use std::fs::File;
-use std::io::BufReader;
+use std::io::Cursor;
 
-use las::{PointData, Reader};
-use pointstage_plugin_api::abi::ScalarType;
-use pointstage_plugin_api::loading::{
-    Claim, Column, FileStart, Loader, Output, SourceFile, bytes_of,
-};
+use las::Header;
+use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
+use crate::columns::RUN;
+use crate::las_columns::{Colours, Layout, NAMES, Plan};
 use crate::las_extra::{Extra, described};
+use crate::las_records::Records;
 
-/// Names of columns.
-const INTENSITY: &str = "intensity";
-const CLASSIFICATION: &str = "classification";
-const RETURN_NUMBER: &str = "return_number";
-const NUMBER_OF_RETURNS: &str = "number_of_returns";
-const POINT_SOURCE_ID: &str = "point_source_id";
-const USER_DATA: &str = "user_data";
-const SCAN_ANGLE: &str = "scan_angle";
-const GPS_TIME: &str = "gps_time";
-const NEAR_INFRARED: &str = "near_infrared";
-const NAMES: [&str; 9] = [
-    INTENSITY,
-    CLASSIFICATION,
-    RETURN_NUMBER,
-    NUMBER_OF_RETURNS,
-    POINT_SOURCE_ID,
-    USER_DATA,
-    SCAN_ANGLE,
-    GPS_TIME,
-    NEAR_INFRARED,
-];
-
-/// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
-const POINTS_A_PIECE: u64 = 200_000;
-
-/// Bytes of points decompressed at once: a header may claim 64 KB a point, and the memory is taken before the first is read.
-const BYTES_A_PIECE: u64 = 1 << 24;
-
-/// Bytes read from the file at once.
-const READ_AHEAD: usize = 1 << 20;
+/// What the progress says.
+const READING: &str = "reading points";
 
 /// The loader of LAS and LAZ files.
 pub struct LasLoader;
@@ -62,93 +33,129 @@ impl Loader for LasLoader {
         out: &mut Output<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
-        progress.set(0.0, "reading points");
+        progress.set(0.0, READING);
         check_size(file.bytes)?;
-        // The library keeps what it reads from for as long as it likes, which borrowed bytes do not allow.
-        let opened = File::open(file.path)
-            .map_err(|error| Error::failed(format!("cannot be read any more: {error}")))?;
-        let mut reader =
-            Reader::new(BufReader::with_capacity(READ_AHEAD, opened)).map_err(|error| {
-                Error::failed(format!(
-                    "the header cannot be read: {error}; the file is damaged, copy it again"
-                ))
-            })?;
-        let header = reader.header();
-        let (expected, format) = (header.number_of_points(), *header.point_format());
-        if expected == 0 {
+        let mut source = Cursor::new(file.bytes);
+        let header = Header::new(&mut source).map_err(|error| {
+            Error::failed(format!(
+                "the header cannot be read: {error}; the file is damaged, copy it again"
+            ))
+        })?;
+        if header.number_of_points() == 0 {
             return Err(Error::failed(
                 "the file has 0 points; there is nothing to show",
             ));
         }
-        let point_bytes = u64::from(format.len()).max(1);
-        let piece_points = POINTS_A_PIECE.min((BYTES_A_PIECE / point_bytes).max(1));
-        let mut pieces: Vec<PointData> = Vec::new();
-        let mut read = 0;
-        let mut largest_colour = 0;
-        while read < expected {
-            progress.check()?;
-            progress.set(
-                (0.8 * read as f64 / expected as f64) as f32,
-                "reading points",
-            );
-            let piece = reader.read_points(piece_points).map_err(|error| {
-                Error::failed(format!(
-                    "expected {expected} points, but behind point {read} comes what cannot be read: {error}; the file is damaged or truncated, copy it again"
-                ))
-            })?;
-            if piece.is_empty() {
-                return Err(Error::failed(format!(
-                    "expected {expected} points, found {read}; the file is truncated, copy it again"
-                )));
+        let layout = Layout::of(&header);
+        let mut records = Records::new(file.bytes, source.position(), &header)?;
+        let extras = extras_of(&header, out);
+        // What must be read before it is known how colours are kept.
+        let mut held: Vec<Vec<u8>> = Vec::new();
+        let largest = match &mut records {
+            Records::Plain(bytes) => layout.largest_colour(bytes),
+            Records::Packed(packed) => {
+                let mut largest = 0;
+                while layout.colour.is_some() && largest <= 255 {
+                    progress.check()?;
+                    let mut run = Vec::new();
+                    packed.next(&mut run)?;
+                    if run.is_empty() {
+                        break;
+                    }
+                    progress.set(packed.fraction(), READING);
+                    largest = largest.max(layout.largest_colour(&run));
+                    held.push(run);
+                }
+                largest
             }
-            read += piece.len() as u64;
-            let colours = piece.rgb().into_iter().flatten();
-            largest_colour = colours.fold(largest_colour, |most, (red, green, blue)| {
-                most.max(red).max(green).max(blue)
-            });
-            pieces.push(piece);
-        }
-        let mut names: Vec<String> = NAMES.map(str::to_owned).to_vec();
-        let (mut extras, undescribed) = described(reader.header());
-        // Two columns cannot have one name.
-        for extra in &mut extras {
-            while names.contains(&extra.name) {
-                extra.name.insert_str(0, "extra_");
-            }
-            names.push(extra.name.clone());
-        }
-        let plan = Plan {
-            colours: match largest_colour {
-                0 => Colours::None,
-                // Some programs keep bytes where 16 bits are due.
-                1..=255 => Colours::Bytes,
-                _ => Colours::Words,
-            },
-            has_time: format.has_gps_time,
-            has_infrared: format.has_nir,
-            extras,
         };
-        if format.has_color && largest_colour == 0 {
+        if layout.colour.is_some() && largest == 0 {
             out.warn(
                 "the file has colours, but all are black: they are left out",
                 1,
             );
         }
-        if undescribed > 0 {
-            out.warn(
-                &format!("{undescribed} extra bytes a point, which the file does not describe, are left out"),
-                1,
-            );
+        let plan = Plan::new(&header, Colours::of(largest), &extras);
+        let expected = header.number_of_points();
+        out.columns(&plan.columns(), expected)?;
+        let mut handed = HandedOver {
+            plan,
+            stride: layout.stride,
+            columns: Vec::new(),
+            count: 0,
+            expected,
+            least_progress: 0.0,
+        };
+        match &mut records {
+            Records::Plain(bytes) => handed.add(bytes, out, progress),
+            Records::Packed(packed) => {
+                handed.least_progress = packed.fraction();
+                for run in held.drain(..) {
+                    handed.add(&run, out, progress)?;
+                }
+                let mut run = Vec::new();
+                loop {
+                    progress.check()?;
+                    packed.next(&mut run)?;
+                    if run.is_empty() {
+                        return Ok(());
+                    }
+                    handed.least_progress = packed.fraction();
+                    handed.add(&run, out, progress)?;
+                }
+            }
         }
-        plan.declare(out, expected)?;
-        for (index, piece) in pieces.drain(..).enumerate() {
+    }
+}
+
+/// Columns that go to the host.
+struct HandedOver<'a> {
+    plan: Plan<'a>,
+    stride: usize,
+    /// Those of the run at hand; kept for their memory.
+    columns: Vec<Vec<u8>>,
+    count: u64,
+    expected: u64,
+    /// Part of the file that has been read, though not all of it may be handed over yet.
+    least_progress: f32,
+}
+
+impl HandedOver<'_> {
+    /// Takes records apart and hands them over.
+    fn add(&mut self, records: &[u8], out: &mut Output<'_>, progress: &Progress<'_>) -> Result<()> {
+        for run in records.chunks(RUN * self.stride) {
             progress.check()?;
-            let done = index as f64 * piece_points as f64 / expected as f64;
-            progress.set((0.8 + 0.2 * done) as f32, "building columns");
-            plan.write(out, &piece)?;
+            let fraction = self.count as f32 / self.expected as f32;
+            progress.set(fraction.max(self.least_progress), READING);
+            self.plan.fill(run, &mut self.columns);
+            let columns: Vec<&[u8]> = self.columns.iter().map(Vec::as_slice).collect();
+            let count = run.len() / self.stride;
+            out.rows(count, &columns)?;
+            self.count += count as u64;
         }
         Ok(())
     }
+}
+
+/// The described extra values, each with a name that no other column has.
+fn extras_of(header: &Header, out: &mut Output<'_>) -> Vec<Extra> {
+    let mut names: Vec<String> = NAMES.map(str::to_owned).to_vec();
+    let (mut extras, undescribed) = described(header);
+    for extra in &mut extras {
+        while names.contains(&extra.name) {
+            extra.name.insert_str(0, "extra_");
+        }
+        names.push(extra.name.clone());
+    }
+    if undescribed > 0 {
+        out.warn(
+            &format!(
+                "{undescribed} extra bytes a point, which the file does not describe, are left out"
+            ),
+            1,
+        );
+    }
+    extras
 }
 
 /// Refuses a header whose points no file could hold: the library multiplies without a look.
@@ -172,106 +179,4 @@ fn check_size(mut file: &[u8]) -> Result<()> {
                 "the header claims {points} points of {bytes} bytes, which no file can hold; the file is damaged, copy it again"
             ))
         })
-}
-
-/// How colours are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Colours {
-    None,
-    Bytes,
-    Words,
-}
-
-/// The columns that the file has.
-struct Plan {
-    colours: Colours,
-    has_time: bool,
-    has_infrared: bool,
-    extras: Vec<Extra>,
-}
-
-impl Plan {
-    fn declare(&self, out: &mut Output<'_>, expected: u64) -> Result<()> {
-        let mut columns = vec![
-            Column::POSITION_F64,
-            Column::named(INTENSITY, ScalarType::U16, 1),
-            Column::named(CLASSIFICATION, ScalarType::U8, 1),
-            Column::named(RETURN_NUMBER, ScalarType::U8, 1),
-            Column::named(NUMBER_OF_RETURNS, ScalarType::U8, 1),
-            Column::named(POINT_SOURCE_ID, ScalarType::U16, 1),
-            Column::named(USER_DATA, ScalarType::U8, 1),
-            Column::named(SCAN_ANGLE, ScalarType::F32, 1),
-        ];
-        match self.colours {
-            Colours::None => {}
-            Colours::Bytes => columns.push(Column::RGB_U8),
-            Colours::Words => columns.push(Column::RGB_U16),
-        }
-        if self.has_time {
-            columns.push(Column::named(GPS_TIME, ScalarType::F64, 1));
-        }
-        if self.has_infrared {
-            columns.push(Column::named(NEAR_INFRARED, ScalarType::U16, 1));
-        }
-        columns.extend(self.extras.iter().map(Extra::column));
-        out.columns(&columns, expected)
-    }
-
-    fn write(&self, out: &mut Output<'_>, points: &PointData) -> Result<()> {
-        let axes = points.x().zip(points.y()).zip(points.z());
-        let positions: Vec<[f64; 3]> = axes.map(|((x, y), z)| [x, y, z]).collect();
-        let intensities: Vec<u16> = points.intensity().collect();
-        let classes: Vec<u8> = points.classification().collect();
-        let returns: Vec<u8> = points.return_number().collect();
-        let counts: Vec<u8> = points.number_of_returns().collect();
-        let sources: Vec<u16> = points.point_source_id().collect();
-        let own: Vec<u8> = points.user_data().collect();
-        let angles: Vec<f32> = points.scan_angle_degrees().collect();
-        let words: Vec<[u16; 3]> = match self.colours {
-            Colours::None => Vec::new(),
-            Colours::Bytes | Colours::Words => {
-                let colours = points.rgb().into_iter().flatten();
-                colours
-                    .map(|(red, green, blue)| [red, green, blue])
-                    .collect()
-            }
-        };
-        let bytes: Vec<[u8; 3]> = match self.colours {
-            Colours::Bytes => words
-                .iter()
-                .map(|colour| colour.map(|value| value as u8))
-                .collect(),
-            Colours::None | Colours::Words => Vec::new(),
-        };
-        let times: Vec<f64> = points.gps_time().into_iter().flatten().collect();
-        let infrared: Vec<u16> = points.nir().into_iter().flatten().collect();
-        let extras: Vec<Vec<u8>> = self
-            .extras
-            .iter()
-            .map(|extra| extra.bytes(points))
-            .collect();
-        let mut columns = vec![
-            bytes_of(&positions),
-            bytes_of(&intensities),
-            bytes_of(&classes),
-            bytes_of(&returns),
-            bytes_of(&counts),
-            bytes_of(&sources),
-            bytes_of(&own),
-            bytes_of(&angles),
-        ];
-        match self.colours {
-            Colours::None => {}
-            Colours::Bytes => columns.push(bytes_of(&bytes)),
-            Colours::Words => columns.push(bytes_of(&words)),
-        }
-        if self.has_time {
-            columns.push(bytes_of(&times));
-        }
-        if self.has_infrared {
-            columns.push(bytes_of(&infrared));
-        }
-        columns.extend(extras.iter().map(Vec::as_slice));
-        out.rows(points.len(), &columns)
-    }
 }

@@ -4,7 +4,9 @@
 mod columns;
 mod e57_point;
 mod e57_scan;
+mod las_columns;
 mod las_extra;
+mod las_records;
 mod las_scan;
 mod lzf;
 mod pcd;

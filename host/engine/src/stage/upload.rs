@@ -175,14 +175,16 @@ impl SceneOnDevice {
         Ok(())
     }
 
-    fn upload<'a, T: Send + Sync + 'static>(
+    /// Uploads a column, a slice or a vector, and keeps it as long as its buffer.
+    fn upload<'a, T, C: AsRef<[T]> + ?Sized + Send + Sync + 'static>(
         &self,
-        content: &Arc<[T]>,
+        content: &Arc<C>,
         label: &str,
         bytes: impl FnOnce() -> Cow<'a, [u8]>,
     ) -> Result<(), GpuError> {
-        let address = content.as_ptr().addr();
-        if content.is_empty() || self.lock().columns.contains_key(&address) {
+        let values: &[T] = (**content).as_ref();
+        let address = values.as_ptr().addr();
+        if values.is_empty() || self.lock().columns.contains_key(&address) {
             return Ok(());
         }
         let buffer = self.device.scoped(|| {

@@ -25,10 +25,12 @@ fn named(name: &str, values: &[f32]) -> NamedColumn {
         name: name.into(),
         scalar: ScalarType::F32,
         components: 1,
-        bytes: values
-            .iter()
-            .flat_map(|value| value.to_ne_bytes())
-            .collect(),
+        bytes: Arc::new(
+            values
+                .iter()
+                .flat_map(|value| value.to_ne_bytes())
+                .collect(),
+        ),
     }
 }
 

@@ -122,11 +122,11 @@ fn gather<'a, T: Pod + Send + Sync>(
 
 /// The same for a column of `size` bytes a surfel.
 fn gather_bytes(
-    parts: impl Iterator<Item = Option<Arc<[u8]>>>,
+    parts: impl Iterator<Item = Option<Arc<Vec<u8>>>>,
     surfels: &[usize],
     size: usize,
-) -> Arc<[u8]> {
-    let parts: Vec<Option<Arc<[u8]>>> = parts.collect();
+) -> Arc<Vec<u8>> {
+    let parts: Vec<Option<Arc<Vec<u8>>>> = parts.collect();
     let mut bytes = vec![0; surfels.len() * size];
     if size > 0 {
         let values = bytes.par_chunks_exact_mut(size).zip(surfels);
@@ -205,7 +205,7 @@ mod tests {
                 name: "pair".into(),
                 scalar: ScalarType::U16,
                 components: 2,
-                bytes: time.collect(),
+                bytes: Arc::new(time.collect()),
             }],
         }
     }

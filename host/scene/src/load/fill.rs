@@ -18,6 +18,9 @@ const TASK_SURFELS: usize = 32 * PIECE_SURFELS;
 /// The blocks of a column.
 pub(super) type Column<T> = Vec<Arc<[T]>>;
 
+/// The blocks of a named column.
+pub(super) type ByteColumn = Vec<Arc<Vec<u8>>>;
+
 /// A column of `count` surfels with `width` values of `T` each, cut into blocks.
 ///
 /// `convert` gets surfels (at most [`PIECE_SURFELS`]) and their slots, and returns what `merge` joins; `merge` must not mind
@@ -35,30 +38,69 @@ where
 {
     let mut blocks = Vec::new();
     let mut summary = S::default();
-    for block_start in (0..count).step_by(MAX_BLOCK_SURFELS) {
-        let block_length = MAX_BLOCK_SURFELS.min(count - block_start);
-        let mut block: Arc<[T]> = zeroed_slice(block_length * width);
+    for start in (0..count).step_by(MAX_BLOCK_SURFELS) {
+        let length = MAX_BLOCK_SURFELS.min(count - start);
+        let mut block: Arc<[T]> = zeroed_slice(length * width);
         let slots = Arc::get_mut(&mut block).expect("just made, nobody else has it");
-        let tasks =
-            slots
-                .par_chunks_mut(TASK_SURFELS * width)
-                .enumerate()
-                .map(|(task, slots)| {
-                    job.check()?;
-                    let task_start = block_start + task * TASK_SURFELS;
-                    let pieces = slots.chunks_mut(PIECE_SURFELS * width).enumerate().map(
-                        |(piece, slots)| {
-                            let start = task_start + piece * PIECE_SURFELS;
-                            convert(start..start + slots.len() / width, slots)
-                        },
-                    );
-                    Ok(pieces.fold(S::default(), &merge))
-                });
-        let of_block = tasks.try_reduce(S::default, |a, b| Ok(merge(a, b)))?;
-        summary = merge(summary, of_block);
+        summary = merge(summary, fill(slots, start, width, job, &convert, &merge)?);
         blocks.push(block);
     }
     Ok((blocks, summary))
+}
+
+/// The blocks of a column of `count` surfels with `width` bytes each; see [`fill_blocks`].
+pub(super) fn fill_bytes<S>(
+    count: usize,
+    width: usize,
+    job: &Job,
+    convert: impl Fn(Range<usize>, &mut [u8]) -> S + Sync,
+    merge: impl Fn(S, S) -> S + Sync,
+) -> Result<(ByteColumn, S), Cancelled>
+where
+    S: Default + Send,
+{
+    let mut blocks = Vec::new();
+    let mut summary = S::default();
+    for start in (0..count).step_by(MAX_BLOCK_SURFELS) {
+        let length = MAX_BLOCK_SURFELS.min(count - start);
+        // The system gives zeros, page by page, to the thread that writes there first.
+        let mut block = bytemuck::zeroed_vec(length * width);
+        summary = merge(
+            summary,
+            fill(&mut block, start, width, job, &convert, &merge)?,
+        );
+        blocks.push(Arc::new(block));
+    }
+    Ok((blocks, summary))
+}
+
+/// Fills the slots of a block of which `block_start` is the first surfel.
+fn fill<T, S>(
+    slots: &mut [T],
+    block_start: usize,
+    width: usize,
+    job: &Job,
+    convert: &(impl Fn(Range<usize>, &mut [T]) -> S + Sync),
+    merge: &(impl Fn(S, S) -> S + Sync),
+) -> Result<S, Cancelled>
+where
+    T: Send,
+    S: Default + Send,
+{
+    let tasks = slots
+        .par_chunks_mut(TASK_SURFELS * width)
+        .enumerate()
+        .map(|(task, slots)| {
+            job.check()?;
+            let task_start = block_start + task * TASK_SURFELS;
+            let pieces = slots.chunks_mut(PIECE_SURFELS * width).enumerate();
+            let pieces = pieces.map(|(piece, slots)| {
+                let start = task_start + piece * PIECE_SURFELS;
+                convert(start..start + slots.len() / width, slots)
+            });
+            Ok(pieces.fold(S::default(), merge))
+        });
+    tasks.try_reduce(S::default, |a, b| Ok(merge(a, b)))
 }
 
 /// A slice of zeros that nobody else has yet.

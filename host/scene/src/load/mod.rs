@@ -8,6 +8,7 @@ mod assemble;
 mod columns;
 mod error;
 pub(crate) mod fill;
+mod gathered;
 mod loader;
 mod loaders;
 mod not_read;

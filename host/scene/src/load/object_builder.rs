@@ -7,12 +7,13 @@ use pointstage_texels::PictureFile;
 
 use super::LoadOptions;
 use super::assemble::{
-    ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, FileFaces, MOST_VERTICES,
-    NamedRole, Roles, Table, TableColumn, Triangles, build, finish,
+    AssembleError, Built, ByteOrder, CornerLists, Corners, FaceData, FaceKind, Field, FileFaces,
+    MOST_VERTICES, Roles, Table, TableColumn, Triangles, build, finish,
 };
 use super::error::LoadStop;
+use super::gathered::{Gathered, copy};
 use super::loader::Contents;
-use crate::geometry::ScalarType;
+use crate::geometry::{NamedColumn, ScalarType};
 use crate::job::Job;
 use crate::textures::NO_PICTURE;
 use crate::warnings::{WarningKind, Warnings};
@@ -141,7 +142,7 @@ pub enum BuildError {
 /// Collects columns and faces, checks their lengths, and makes an object of them.
 #[derive(Debug)]
 pub struct ObjectBuilder {
-    columns: Vec<(ColumnSpec, Vec<u8>)>,
+    columns: Vec<(ColumnSpec, Gathered)>,
     rows: usize,
     /// Lengths of the polygons; none while all are triangles.
     lengths: Option<Vec<u32>>,
@@ -178,7 +179,17 @@ impl ObjectBuilder {
             return problem("there is no position".to_owned());
         }
         Ok(Self {
-            columns: specs.into_iter().map(|spec| (spec, Vec::new())).collect(),
+            columns: specs
+                .into_iter()
+                .map(|spec| {
+                    // Named columns are kept as they come, the others go into the object's own.
+                    let values = match spec.role {
+                        ColumnRole::Named => Gathered::in_blocks(spec.width()),
+                        _ => Gathered::together(spec.width()),
+                    };
+                    (spec, values)
+                })
+                .collect(),
             rows: 0,
             lengths: None,
             corners: Vec::new(),
@@ -188,11 +199,15 @@ impl ObjectBuilder {
         })
     }
 
-    /// Makes room for surfels that will come; a hint, of which no more is believed than a few million at once.
+    /// Makes room for surfels that will come; a hint, of which no more is believed than a few million at once. Without effect
+    /// once some have come.
     pub fn reserve(&mut self, rows: u64) {
         const MOST: u64 = 1 << 24;
-        for (spec, bytes) in &mut self.columns {
-            bytes.reserve(rows.min(MOST) as usize * spec.width());
+        if self.rows > 0 {
+            return;
+        }
+        for (_, values) in &mut self.columns {
+            values.reserve(rows.min(MOST) as usize);
         }
     }
 
@@ -225,9 +240,11 @@ impl ObjectBuilder {
         if let Some(more) = columns.get(self.columns.len()) {
             return Err(length(self.columns.len(), 0, more.len()));
         }
+        let mut copies = Vec::new();
         for ((_, own), bytes) in self.columns.iter_mut().zip(columns) {
-            own.extend_from_slice(bytes);
+            own.add(bytes, &mut copies);
         }
+        copy(copies);
         self.rows += rows;
         Ok(())
     }
@@ -330,19 +347,25 @@ impl ObjectBuilder {
             corners: self.take_faces(),
             pictures: std::mem::take(&mut self.pictures),
         };
-        let tables: Vec<(ColumnSpec, Table<'static>)> = self
-            .columns
+        let is_named = |(spec, _): &(ColumnSpec, Gathered)| spec.role == ColumnRole::Named;
+        let (named, columns): (Vec<_>, Vec<_>) = self.columns.into_iter().partition(is_named);
+        let tables: Vec<(ColumnSpec, Table<'static>)> = columns
             .into_iter()
-            .map(|(spec, bytes)| {
+            .map(|(spec, values)| {
+                let bytes = values.into_parts().next().unwrap_or_default();
                 let table = table_of(&spec, bytes, self.rows);
                 (spec, table)
             })
             .collect();
         let roles = roles_of(&tables).ok_or(BuildError::Nothing)?;
         let mut warnings = self.warnings;
-        let built = build(&roles, self.rows, options.winding, job, &mut warnings)?;
+        let mut built = build(&roles, self.rows, options.winding, job, &mut warnings)?;
         drop(roles);
         drop(tables);
+        for (spec, values) in named {
+            job.check().map_err(AssembleError::from)?;
+            add_named(&spec, values, &mut built);
+        }
         Ok(finish(built, self.rows, faces, options, job, warnings)?)
     }
 
@@ -378,6 +401,37 @@ impl ObjectBuilder {
     }
 }
 
+/// Adds a column to the blocks, without the values of surfels that were dropped.
+fn add_named(spec: &ColumnSpec, values: Gathered, built: &mut Built) {
+    let mut values = values;
+    if let Some(new_index) = &built.new_index {
+        let width = spec.width();
+        let mut kept = Gathered::in_blocks(width);
+        let mut indices = new_index.iter();
+        for part in values.into_parts() {
+            let rows = part.chunks_exact(width).zip(&mut indices);
+            let own: Vec<u8> = rows
+                .filter(|(_, index)| **index != u32::MAX)
+                .flat_map(|(value, _)| value)
+                .copied()
+                .collect();
+            let mut copies = Vec::new();
+            kept.add(&own, &mut copies);
+            copy(copies);
+        }
+        values = kept;
+    }
+    let name: Arc<str> = spec.name.as_str().into();
+    for (block, bytes) in built.blocks.iter_mut().zip(values.into_parts()) {
+        block.named.push(NamedColumn {
+            name: name.clone(),
+            scalar: spec.scalar,
+            components: spec.components,
+            bytes: Arc::new(bytes),
+        });
+    }
+}
+
 /// A column as a table of its own.
 fn table_of(spec: &ColumnSpec, bytes: Vec<u8>, rows: usize) -> Table<'static> {
     let component = |index: u32| TableColumn {
@@ -394,7 +448,7 @@ fn table_of(spec: &ColumnSpec, bytes: Vec<u8>, rows: usize) -> Table<'static> {
     }
 }
 
-/// The columns by meaning; `None` without a position, which a builder cannot lack.
+/// The columns by meaning, without the named ones; `None` without a position, which a builder cannot lack.
 fn roles_of<'a>(tables: &'a [(ColumnSpec, Table<'static>)]) -> Option<Roles<'a>> {
     let table = |role| {
         let found = tables.iter().find(|(spec, _)| spec.role == role);
@@ -405,16 +459,6 @@ fn roles_of<'a>(tables: &'a [(ColumnSpec, Table<'static>)]) -> Option<Roles<'a>>
     }
     let position = table(ColumnRole::Position)?;
     let colour = table(ColumnRole::Colour);
-    let named = tables
-        .iter()
-        .filter(|(spec, _)| spec.role == ColumnRole::Named)
-        .map(|(spec, table)| NamedRole {
-            name: spec.name.clone(),
-            scalar: spec.scalar,
-            fields: (0..table.columns.len())
-                .map(|index| table.field(index))
-                .collect(),
-        });
     Some(Roles {
         x: position.field(0),
         y: position.field(1),
@@ -426,7 +470,7 @@ fn roles_of<'a>(tables: &'a [(ColumnSpec, Table<'static>)]) -> Option<Roles<'a>>
             .map(|table| table.field(3)),
         radius: table(ColumnRole::Radius).map(|table| table.field(0)),
         axes: table(ColumnRole::Axes).map(fields),
-        named: named.collect(),
+        named: Vec::new(),
     })
 }
 

@@ -101,7 +101,7 @@ fn points_that_are_not_finite_are_dropped_and_faces_follow() {
     let geometry = &loaded.object.geometry;
     assert_eq!(geometry.surfel_count, 3);
     assert_eq!(geometry.triangles.as_deref(), Some([[0, 1, 2]].as_slice()));
-    assert_eq!(&*geometry.blocks[0].named[0].bytes, [10, 12, 13]);
+    assert_eq!(geometry.blocks[0].named[0].bytes[..], [10, 12, 13]);
     assert_eq!(
         loaded
             .warnings
@@ -339,7 +339,7 @@ fn a_list_among_the_scalars_of_vertices_is_passed_over() {
     let from_binary = binary(elements, &body).expect("binary");
     for loaded in [from_text, from_binary] {
         assert_eq!(world(&loaded, 1), DVec3::new(4.0, 5.0, 0.0));
-        assert_eq!(&*loaded.object.geometry.blocks[0].named[0].bytes, [3, 6]);
+        assert_eq!(loaded.object.geometry.blocks[0].named[0].bytes[..], [3, 6]);
         assert_eq!(
             loaded
                 .warnings

@@ -83,7 +83,7 @@ fn named(name: &str, scalar: ScalarType, components: u32, count: usize, seed: u8
         name: name.into(),
         scalar,
         components,
-        bytes: bytes.collect(),
+        bytes: Arc::new(bytes.collect()),
     }
 }
 
@@ -246,7 +246,7 @@ proptest! {
                 name: "surfel_set".into(),
                 scalar: ScalarType::U32,
                 components: 1,
-                bytes: sets.collect(),
+                bytes: Arc::new(sets.collect()),
             });
         }
         let origin = if is_far { DVec3::new(500_000.0, 0.0, -1024.0) } else { DVec3::ZERO };

@@ -18,7 +18,7 @@ use crate::bounds::Bounds;
 use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
 use crate::job::{Cancelled, Job};
 use crate::load::Winding;
-use crate::load::fill::{PIECE_SURFELS, fill_blocks};
+use crate::load::fill::{PIECE_SURFELS, fill_blocks, fill_bytes};
 use crate::warnings::{WarningKind, Warnings};
 
 /// The columns of a file.
@@ -309,7 +309,7 @@ fn add_named(
                 }
             }
         };
-        let (columns, ()) = fill_blocks(rows.len(), width, job, convert, |(), ()| ())?;
+        let (columns, ()) = fill_bytes(rows.len(), width, job, convert, |(), ()| ())?;
         let name: Arc<str> = role.name.as_str().into();
         for (block, bytes) in blocks.iter_mut().zip(columns) {
             let components = role.fields.len() as u32;

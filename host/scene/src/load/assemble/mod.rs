@@ -22,7 +22,7 @@ pub(in crate::load) use corners::{
 };
 pub(crate) use place::origin_for;
 pub(in crate::load) use place::{MAX_COORDINATE, Placed, usable};
-pub(in crate::load) use roles::{NamedRole, Roles};
+pub(in crate::load) use roles::Roles;
 pub(in crate::load) use table::{
     ByteOrder, Field, RowSelection, Table, TableColumn, read_integer, read_number, write_native,
 };

@@ -16,7 +16,7 @@ use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
 use crate::job::{Cancelled, Job};
 use crate::load::Winding;
 use crate::load::assemble::{Built, MAX_COORDINATE, Placed, origin_for, usable};
-use crate::load::fill::{Column, fill_blocks};
+use crate::load::fill::{ByteColumn, Column, fill_blocks, fill_bytes};
 use crate::warnings::{WarningKind, Warnings};
 
 /// Radius of a surfel from the density of its samples: `k / √(π·d)`, with k as a float, as the reference library has it.
@@ -309,7 +309,7 @@ fn add_named(
         });
         invisible
     };
-    let (columns, invisible) = fill_blocks(rows.count, width, job, convert, |a: u64, b| a + b)?;
+    let (columns, invisible) = fill_bytes(rows.count, width, job, convert, |a: u64, b| a + b)?;
     let text = "a surfel is flagged as invisible and shown all the same";
     warnings.add(WarningKind::Other(text.into()), invisible);
     push_named(blocks, named, columns);
@@ -324,7 +324,7 @@ fn add_set_indices(rows: &Rows<'_>, blocks: &mut [Block], job: &Job) -> Result<(
             slots[index] = part.set_index.to_ne_bytes();
         });
     };
-    let (columns, ()) = fill_blocks(rows.count, 4, job, convert, |(), ()| ())?;
+    let (columns, ()) = fill_bytes(rows.count, 4, job, convert, |(), ()| ())?;
     let named = NamedProperty {
         property: Property(u16::MAX),
         name: SET_COLUMN,
@@ -336,7 +336,7 @@ fn add_set_indices(rows: &Rows<'_>, blocks: &mut [Block], job: &Job) -> Result<(
 }
 
 /// Adds a column to the blocks.
-pub(super) fn push_named(blocks: &mut [Block], named: NamedProperty, columns: Column<u8>) {
+pub(super) fn push_named(blocks: &mut [Block], named: NamedProperty, columns: ByteColumn) {
     let name: Arc<str> = named.name.into();
     for (block, bytes) in blocks.iter_mut().zip(columns) {
         block.named.push(NamedColumn {

@@ -7,7 +7,7 @@ use super::property::{ColourModel, NamedProperty, Property};
 use super::rows::{Part, Rows};
 use crate::geometry::{Block, Origins, Provenance};
 use crate::job::{Cancelled, Job};
-use crate::load::fill::fill_blocks;
+use crate::load::fill::{fill_blocks, fill_bytes};
 
 /// Opaque white, for sets without colours beside sets with them.
 const WHITE: u32 = u32::MAX;
@@ -77,7 +77,7 @@ pub(super) fn add_other_colours(
             });
         });
     };
-    let (columns, ()) = fill_blocks(rows.count, 4, job, convert, |(), ()| ())?;
+    let (columns, ()) = fill_bytes(rows.count, 4, job, convert, |(), ()| ())?;
     push_named(blocks, named, columns);
     Ok(())
 }
@@ -110,7 +110,7 @@ pub(super) fn add_raw_yuv(
             slots[index] = std::array::from_fn(|index| stored.get(index).copied().unwrap_or(255));
         });
     };
-    let (columns, ()) = fill_blocks(rows.count, 4, job, convert, |(), ()| ())?;
+    let (columns, ()) = fill_bytes(rows.count, 4, job, convert, |(), ()| ())?;
     named.name = match named.property {
         Property::AMBIENT => "ambient_yuv",
         Property::SPECULAR => "specular_yuv",

@@ -1,0 +1,175 @@
+//! Values of a column that come in runs: room is made for all that are announced, and runs are copied there on all cores.
+
+use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
+use rayon::prelude::*;
+
+/// Bytes copied by one thread at a time.
+const SEGMENT: usize = 1 << 17;
+
+/// Bytes of runs that are worth more threads than one.
+const MANY: usize = 1 << 19;
+
+/// The values of one column.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    /// Bytes of one surfel's values.
+    width: usize,
+    /// Bytes that a part may hold.
+    part_bytes: usize,
+    parts: Vec<Part>,
+}
+
+/// Values that lie together.
+#[derive(Debug, Default)]
+struct Part {
+    /// What has come, then zeros where what is announced will go.
+    bytes: Vec<u8>,
+    /// What has come.
+    filled: usize,
+}
+
+/// What is to be copied where.
+pub(super) type Copy<'a> = (&'a mut [u8], &'a [u8]);
+
+impl Gathered {
+    /// All values lie together.
+    pub(super) fn together(width: usize) -> Self {
+        Self {
+            width,
+            part_bytes: usize::MAX,
+            parts: Vec::new(),
+        }
+    }
+
+    /// The values are cut as an object's blocks are.
+    pub(super) fn in_blocks(width: usize) -> Self {
+        Self {
+            part_bytes: MAX_BLOCK_SURFELS * width,
+            ..Self::together(width)
+        }
+    }
+
+    /// Makes room for the values of surfels that are announced, before any has come. The system gives the memory when it is
+    /// written to.
+    pub(super) fn reserve(&mut self, surfels: usize) {
+        let mut left = surfels * self.width;
+        self.parts.clear();
+        while left > 0 {
+            let part = left.min(self.part_bytes);
+            self.parts.push(Part {
+                bytes: bytemuck::zeroed_vec(part),
+                filled: 0,
+            });
+            left -= part;
+        }
+    }
+
+    /// Takes the values of some surfels, whole ones. Those for which there is room are left to [`copy`].
+    pub(super) fn add<'a>(&'a mut self, mut values: &'a [u8], copies: &mut Vec<Copy<'a>>) {
+        let part_bytes = self.part_bytes;
+        let room: usize = self
+            .parts
+            .iter()
+            .map(|part| part_bytes.saturating_sub(part.filled))
+            .fold(0, usize::saturating_add);
+        let beyond = values.len().saturating_sub(room);
+        let more = beyond.div_ceil(part_bytes.max(1));
+        self.parts
+            .extend(std::iter::repeat_with(Part::default).take(more));
+        for part in &mut self.parts {
+            let own = values.len().min(part_bytes - part.filled);
+            let (now, later) = values.split_at(own);
+            values = later;
+            if own == 0 {
+                continue;
+            }
+            let start = part.filled;
+            part.filled += own;
+            if part.bytes.len() >= part.filled {
+                copies.push((&mut part.bytes[start..part.filled], now));
+            } else {
+                part.bytes.truncate(start);
+                part.bytes.extend_from_slice(now);
+            }
+        }
+    }
+
+    /// The parts, without the room that was left.
+    pub(super) fn into_parts(self) -> impl Iterator<Item = Vec<u8>> {
+        let parts = self.parts.into_iter().filter(|part| part.filled > 0);
+        parts.map(|mut part| {
+            part.bytes.truncate(part.filled);
+            part.bytes.shrink_to_fit();
+            part.bytes
+        })
+    }
+}
+
+/// Copies all.
+pub(super) fn copy(copies: Vec<Copy<'_>>) {
+    let bytes: usize = copies.iter().map(|(_, from)| from.len()).sum();
+    if bytes < MANY {
+        for (to, from) in copies {
+            to.copy_from_slice(from);
+        }
+        return;
+    }
+    copies.into_par_iter().for_each(|(to, from)| {
+        let segments = to.par_chunks_mut(SEGMENT).zip(from.par_chunks(SEGMENT));
+        segments.for_each(|(to, from)| to.copy_from_slice(from));
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values of `surfels` surfels, handed over in runs of `run`.
+    fn gather(mut gathered: Gathered, width: usize, surfels: usize, run: usize) -> Vec<Vec<u8>> {
+        let all = values(width * surfels);
+        for values in all.chunks(run * width) {
+            let mut copies = Vec::new();
+            gathered.add(values, &mut copies);
+            copy(copies);
+        }
+        gathered.into_parts().collect()
+    }
+
+    fn values(count: usize) -> Vec<u8> {
+        (0..count).map(|index| (index % 251) as u8).collect()
+    }
+
+    #[test]
+    fn values_stay_in_order_whatever_was_announced() {
+        const SURFELS: usize = 700_000;
+        for announced in [0, 1, 400_001, SURFELS, SURFELS + 5] {
+            for run in [SURFELS, 65_536, 333_333] {
+                let mut gathered = Gathered::together(3);
+                gathered.reserve(announced);
+                let found = gather(gathered, 3, SURFELS, run);
+                assert!(
+                    found == [values(3 * SURFELS)],
+                    "{announced} announced, runs of {run}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn values_in_blocks_are_cut_where_blocks_are() {
+        let surfels = MAX_BLOCK_SURFELS + 1000;
+        for announced in [
+            0,
+            MAX_BLOCK_SURFELS - 7,
+            surfels,
+            surfels + MAX_BLOCK_SURFELS,
+        ] {
+            let mut gathered = Gathered::in_blocks(1);
+            gathered.reserve(announced);
+            let found = gather(gathered, 1, surfels, 1_000_003);
+            let lengths: Vec<usize> = found.iter().map(Vec::len).collect();
+            assert_eq!(lengths, [MAX_BLOCK_SURFELS, 1000], "{announced} announced");
+            assert!(found.concat() == values(surfels), "{announced} announced");
+        }
+    }
+}
