@@ -12,11 +12,11 @@ use pointstage_engine::plugins::Registry;
 use pointstage_scene::estimate::{DEFAULT_NEIGHBOURS, NEIGHBOURS_RANGE, Steps, estimate};
 use pointstage_scene::{
     Estimation, Job, LoadOptions, Loaders, Object, PlyEncoding, SaveFormat, WarningKind, Warnings,
-    Winding, load_with, merge, save,
+    load_with, merge, save,
 };
 
-use super::load::loader_choice;
-use super::{Failure, Globals, Outcome, values};
+use super::load::ReadArguments;
+use super::{Failure, Globals, Outcome};
 use crate::file_loaders::loaders;
 use estimates::Estimate;
 use progress::with_progress;
@@ -73,15 +73,8 @@ pub(crate) struct ConvertArguments {
     /// Neighbours that a point is compared with, 3 to 64
     #[arg(long = "k", value_name = "N", default_value_t = DEFAULT_NEIGHBOURS, value_parser = neighbours, help_heading = "Estimating")]
     neighbours: usize,
-    /// Turn meshes inside out, and normals around
-    #[arg(long, help_heading = "Loading")]
-    flip: bool,
-    /// Read the files with this loader, whatever they look like [default: by content, then by extension]
-    #[arg(long, value_name = "ID", help_heading = "Loading")]
-    loader: Option<String>,
-    /// An option of that loader; may be given several times
-    #[arg(long = "set-loader", value_name = "ID=VALUE", value_parser = values::assignment, requires = "loader", help_heading = "Loading")]
-    loader_settings: Vec<(String, String)>,
+    #[command(flatten)]
+    reading: ReadArguments,
 }
 
 /// A format on the command line.
@@ -158,12 +151,7 @@ impl Plan {
             estimation: Estimation::FileOnly,
             ..LoadOptions::default()
         };
-        if arguments.flip {
-            options.winding = Winding::Flipped;
-        }
-        if let Some(key) = &arguments.loader {
-            options.loader = Some(loader_choice(key, &arguments.loader_settings, loaders)?);
-        }
+        arguments.reading.apply(&mut options, loaders)?;
         let names = |what| arguments.estimate.contains(&what);
         Ok(Self {
             files,

@@ -15,13 +15,20 @@ use super::{Failure, Outcome, values};
 use crate::file_loaders::loaders;
 use crate::session_file::SceneFile;
 
-/// Options of commands that load files.
+/// Options of commands that load files to draw or to measure them.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LoadArguments {
     /// Estimate normals and radii where the file has none [default: below 2 million surfels]
     #[arg(long, value_enum, value_name = "WHEN", help_heading = "Loading")]
     estimate: Option<WhenToEstimate>,
-    /// Turn meshes inside out: for files whose faces are wound inward
+    #[command(flatten)]
+    reading: ReadArguments,
+}
+
+/// Options of all commands that read files: what is done to their contents, and by whom they are read.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ReadArguments {
+    /// Turn meshes inside out, and normals around: for files whose faces are wound inward
     #[arg(long, help_heading = "Loading")]
     flip: bool,
     /// Read the files with this loader, whatever they look like [default: by content, then by extension]
@@ -39,7 +46,7 @@ pub(crate) fn loaders_of(stage: &Stage) -> Loaders {
 }
 
 /// The loader of this name, with options of its own.
-pub(super) fn loader_choice(
+fn loader_choice(
     key: &str,
     settings: &[(String, String)],
     loaders: &Loaders,
@@ -65,6 +72,19 @@ enum WhenToEstimate {
     Never,
 }
 
+impl ReadArguments {
+    /// Sets what the command line says; the rest of the options stay.
+    pub(super) fn apply(&self, options: &mut LoadOptions, loaders: &Loaders) -> Outcome {
+        if self.flip {
+            options.winding = Winding::Flipped;
+        }
+        if let Some(key) = &self.loader {
+            options.loader = Some(loader_choice(key, &self.loader_settings, loaders)?);
+        }
+        Ok(())
+    }
+}
+
 impl LoadArguments {
     /// How to load an entry: as it says, unless the command line says otherwise.
     fn options(&self, entry: &SceneFile, loaders: &Loaders) -> Outcome<LoadOptions> {
@@ -75,12 +95,7 @@ impl LoadArguments {
             Some(WhenToEstimate::Always) => options.estimation = Estimation::Always,
             Some(WhenToEstimate::Never) => options.estimation = Estimation::Never,
         }
-        if self.flip {
-            options.winding = Winding::Flipped;
-        }
-        if let Some(key) = &self.loader {
-            options.loader = Some(loader_choice(key, &self.loader_settings, loaders)?);
-        }
+        self.reading.apply(&mut options, loaders)?;
         Ok(options)
     }
 
