@@ -268,10 +268,11 @@ impl PathPlaces {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::scene_of_points;
     use super::*;
     use pointstage_engine::stage::SettingValue;
     use pointstage_plugin_api::settings_schema::ValueError;
-    use pointstage_scene::{Bounds, Camera};
+    use pointstage_scene::Camera;
 
     /// Writes a file and reads it as a path.
     fn read(name: &str, text: &str) -> Result<LoadedPath, String> {
@@ -383,12 +384,12 @@ keys = [
         let mut last = first;
         last.orbit_turntable(1.0, 0.2);
         let json = |camera: Camera| ViewRecord::new(camera, 8, 6).to_json();
-        let bounds = Bounds::new(glam::DVec3::splat(2.0), glam::DVec3::splat(3.0));
+        let scene = scene_of_points([[2.0; 3], [3.0; 3]]);
         let way = |text: &str| {
             let path = read("way.json", text).expect("views").path;
             (
                 path.duration_s(),
-                path.way(Camera::default(), &bounds).expect("a way"),
+                path.way(Camera::default(), &scene).expect("a way"),
             )
         };
         let (secs, around) = way(&json(first));

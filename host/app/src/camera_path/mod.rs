@@ -13,7 +13,7 @@ mod tracks;
 
 use glam::DVec3;
 use pointstage_scene::{
-    Bounds, Camera, CameraKey, CameraPath, CameraPathError, Easing, ViewRecord,
+    Camera, CameraKey, CameraPath, CameraPathError, Easing, Scene, ViewRecord,
 };
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -187,11 +187,13 @@ impl MotionPath {
         keys.chain(turntable).chain(tracks).fold(0.0, f64::max)
     }
 
-    /// Where the camera is along it. `base` is the view that a path without views begins with, `bounds` the scene's box.
+    /// Where the camera is along it. `base` is the view that a path without views begins with. A turntable turns around the
+    /// middle of what a picture of the whole shows: points that stray far from all others have no part in it.
     ///
     /// # Errors
     /// Times of the views do not rise.
-    pub(crate) fn way(&self, base: Camera, bounds: &Bounds) -> Result<Way, CameraPathError> {
+    pub(crate) fn way(&self, base: Camera, scene: &Scene) -> Result<Way, CameraPathError> {
+        let framed = scene.framed_world();
         let keys = self.keys.iter().map(|key| CameraKey {
             time_s: key.time,
             camera: key.view.camera(),
@@ -206,7 +208,7 @@ impl MotionPath {
             views,
             base,
             turntable: self.turntable,
-            centre: (!bounds.is_empty()).then(|| bounds.centre()),
+            centre: (!framed.is_empty()).then(|| framed.centre()),
         })
     }
 }
@@ -217,7 +219,7 @@ pub(crate) struct Way {
     views: Option<CameraPath>,
     base: Camera,
     turntable: Option<Turntable>,
-    /// The middle of the scene; none for an empty one.
+    /// The middle of what is framed of the scene; none for an empty one.
     centre: Option<DVec3>,
 }
 
@@ -355,13 +357,16 @@ fn check_times<E: serde::de::Error>(times: impl Iterator<Item = f64>, what: &str
 
 #[cfg(test)]
 mod tests {
-    use super::testing::any_path;
+    use super::testing::{any_path, scene_of_points};
     use super::*;
     use proptest::prelude::*;
 
-    fn scene() -> Bounds {
-        Bounds::new(DVec3::splat(-1.0), DVec3::new(1.0, 2.0, 3.0))
+    /// Two points, around whose middle it is turned.
+    fn scene() -> Scene {
+        scene_of_points([[-1.0; 3], [1.0, 2.0, 3.0]])
     }
+
+    const CENTRE: DVec3 = DVec3::new(0.0, 0.5, 1.0);
 
     proptest! {
         #[test]
@@ -380,9 +385,8 @@ mod tests {
             prop_assert_eq!(way.at(0.0), base);
             prop_assert_eq!(way.at(path.duration_s()), base);
             prop_assert_eq!(way.at(2.0 * seconds), base);
-            let centre = scene().centre();
             let there = way.at(0.3 * seconds);
-            prop_assert!((there.eye.distance(centre) - base.eye.distance(centre)).abs() < 1e-9);
+            prop_assert!((there.eye.distance(CENTRE) - base.eye.distance(CENTRE)).abs() < 1e-9);
         }
     }
 
@@ -390,12 +394,30 @@ mod tests {
     fn half_a_turn_is_on_the_other_side_of_the_scene() {
         let path = MotionPath::of_turntable(Turntable::new(4.0, 180.0));
         let way = path.way(Camera::default(), &scene()).expect("no views");
-        let (centre, eye) = (scene().centre(), Camera::default().eye);
+        let (centre, eye) = (CENTRE, Camera::default().eye);
         let across = DVec3::new(2.0 * centre.x - eye.x, eye.y, 2.0 * centre.z - eye.z);
         assert!(way.at(4.0).eye.distance(across) < 1e-9, "{:?}", way.at(4.0));
         assert_eq!(way.at(4.0).up, DVec3::Y);
         let quarter = way.at(2.0).eye - centre;
         assert!(quarter.x > 0.0, "it begins to the right: {quarter}");
+    }
+
+    #[test]
+    fn points_that_stray_do_not_move_what_is_turned_around() {
+        let spiral = |count: u16| {
+            (0..count).map(|number| {
+                let turn = 0.1 * f32::from(number);
+                [turn.cos(), 0.001 * f32::from(number), turn.sin()]
+            })
+        };
+        let path = MotionPath::of_turntable(Turntable::new(4.0, 360.0));
+        let way = |scene: &Scene| path.way(Camera::default(), scene).expect("no views");
+        let clean = way(&scene_of_points(spiral(2000)));
+        let strayed = scene_of_points(spiral(2000).chain([[1e5, 0.0, -3e4]]));
+        assert!(strayed.bounds_world().centre().x > 1e4, "the box reaches there");
+        for time in [0.0, 1.0, 3.0] {
+            assert_eq!(way(&strayed).at(time), clean.at(time), "{time} s");
+        }
     }
 
     #[test]

@@ -1,11 +1,25 @@
-//! Paths of every kind, for property tests.
+//! Paths of every kind, for property tests, and scenes to turn around.
 
+use glam::DVec3;
 use pointstage_engine::stage::SettingValue;
-use pointstage_scene::Easing;
+use pointstage_scene::{Block, Easing, Geometry, Object, Origins, Scene};
 use proptest::prelude::*;
 
 use super::{Around, MotionPath, SettingTrack, TrackKey, Turntable, ViewKey};
 use crate::session_file::testing::{any_view, number};
+
+/// A scene of points at these places.
+pub(crate) fn scene_of_points(places: impl IntoIterator<Item = [f32; 3]>) -> Scene {
+    let slots = places.into_iter().map(|[x, y, z]| [x, y, z, 0.1]);
+    let block = Block {
+        position_radius: slots.collect(),
+        ..Block::default()
+    };
+    let geometry = Geometry::new(vec![block], None, Origins::default());
+    let mut scene = Scene::new();
+    scene.add(Object::new("points", DVec3::ZERO, geometry));
+    scene
+}
 
 /// Times that rise.
 fn times(most: usize) -> impl Strategy<Value = Vec<f64>> {

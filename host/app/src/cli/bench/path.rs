@@ -13,9 +13,7 @@ pub(super) fn cameras(
     count: u32,
 ) -> Outcome<Vec<Camera>> {
     let aspect = f64::from(width) / f64::from(height);
-    let bounds = scene.bounds_world();
-    let framed = scene.framed_world();
-    let ring = |views: u32| orbit_cameras(&framed, views as usize, aspect);
+    let ring = |views: u32| orbit_cameras(&scene.framed_world(), views as usize, aspect);
     let path = match source {
         PathSource::Orbit => return Ok(ring(count)),
         PathSource::OrbitOf(views) => {
@@ -40,7 +38,7 @@ pub(super) fn cameras(
         }
     };
     let base = ring(1).first().copied().unwrap_or_default();
-    let way = path.way(base, &bounds)?;
+    let way = path.way(base, scene)?;
     Ok(along(&path, |time| way.at(time), count))
 }
 
@@ -102,9 +100,7 @@ mod tests {
         assert_eq!(turned[0], four[0]);
         assert!(turned[1].eye.distance(four[1].eye) < 1e-9, "a quarter");
         let half = MotionPath::of_turntable(Turntable::new(2.0, 180.0));
-        let way = half
-            .way(four[0], &pointstage_scene::Bounds::EMPTY)
-            .expect("a way");
+        let way = half.way(four[0], &Scene::new()).expect("a way");
         let ends = along(&half, |time| way.at(time), 3);
         assert!(ends[2].eye.distance(four[2].eye) < 1e-9, "it shows its end");
         assert!(cameras_of("session", 3).is_err());

@@ -66,7 +66,6 @@ impl Film {
         arguments: &RenderArguments,
         drawers: &[Drawer<'_>],
     ) -> Outcome<Vec<(ViewRecord, ValuesAt)>> {
-        let bounds = scene.bounds_world();
         let [base] = views else {
             return Err(Failure::usage(format!(
                 "--view gives {} views; a path begins with one",
@@ -94,7 +93,7 @@ impl Film {
                 loaded.name()
             );
         }
-        let way = path.way(base.camera(), &bounds)?;
+        let way = path.way(base.camera(), scene)?;
         let (start, end) = (0.0, path.duration_s());
         let is_closed =
             way.at(start) == way.at(end) && values_at(&tracks, start) == values_at(&tracks, end);

@@ -125,10 +125,9 @@ impl App {
     /// Shows what the path says at the player's time. It is no change of the user's.
     fn show_path(&mut self) {
         let (path, time) = (&self.session.path, self.player.time());
-        let bounds = self.session.scene.bounds_world();
         if path.moves_camera() {
             let base = self.player.base(&self.session.panes.active.camera);
-            let camera = match path.way(base, &bounds) {
+            let camera = match path.way(base, &self.session.scene) {
                 Ok(way) => way.at(time),
                 Err(error) => {
                     self.player.pause();
@@ -224,8 +223,7 @@ impl App {
         });
         let mut player = self.player.clone();
         let base = player.base(&self.session.panes.active.camera);
-        let bounds = self.session.scene.bounds_world();
-        let way = path.way(base, &bounds).map_err(|error| error.to_string())?;
+        let way = path.way(base, &self.session.scene).map_err(|error| error.to_string())?;
         let way = path.moves_camera().then_some(way);
         let tracks = self.resolved_tracks().map_err(|error| error.to_string())?;
         let end = path.duration_s();
