@@ -12,9 +12,7 @@ pub(crate) mod testing;
 mod tracks;
 
 use glam::DVec3;
-use pointstage_scene::{
-    Camera, CameraKey, CameraPath, CameraPathError, Easing, Scene, ViewRecord,
-};
+use pointstage_scene::{Camera, CameraKey, CameraPath, CameraPathError, Easing, Scene, ViewRecord};
 use serde::{Deserialize, Deserializer, Serialize};
 
 pub(crate) use file::LoadedPath;
@@ -414,7 +412,10 @@ mod tests {
         let way = |scene: &Scene| path.way(Camera::default(), scene).expect("no views");
         let clean = way(&scene_of_points(spiral(2000)));
         let strayed = scene_of_points(spiral(2000).chain([[1e5, 0.0, -3e4]]));
-        assert!(strayed.bounds_world().centre().x > 1e4, "the box reaches there");
+        assert!(
+            strayed.bounds_world().centre().x > 1e4,
+            "the box reaches there"
+        );
         for time in [0.0, 1.0, 3.0] {
             assert_eq!(way(&strayed).at(time), clean.at(time), "{time} s");
         }

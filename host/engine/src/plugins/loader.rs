@@ -8,7 +8,7 @@ use crate::stage::setting_records;
 use abi_stable::std_types::{RSlice, RStr};
 use pointstage_plugin_api::abi::{FileStartRecord, LoadRecord, LoaderBox, LogLevel};
 use pointstage_plugin_api::loading::{Claim, FileStart};
-use pointstage_plugin_api::settings_schema::{SettingValues, snapshot};
+use pointstage_plugin_api::settings_schema::snapshot;
 use pointstage_plugin_api::{Error, ErrorCode};
 use pointstage_scene::{
     Contents, FormatError, Job, LoadOptions, LoadStop, Loader, LoaderInfo, SourceFile,
@@ -91,11 +91,7 @@ impl PluginLoader {
         job: &Job,
     ) -> Result<Contents, LoadStop> {
         let object = self.object().map_err(format_error)?;
-        let given = options.loader.as_ref().map(|choice| &choice.settings);
-        let values = snapshot(
-            &self.info.entry.settings,
-            given.unwrap_or(&SettingValues::new()),
-        )?;
+        let values = snapshot(&self.info.entry.settings, options.loader_values())?;
         let settings = setting_records(&values);
         let Some(path) = file.path().to_str() else {
             let text = "the path is not Unicode, which plugins cannot take; rename the file";

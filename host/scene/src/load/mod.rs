@@ -5,6 +5,7 @@
 //! format here, write a [`Loader`] and enter it in `loaders`; a stranger's comes as a plugin.
 
 mod assemble;
+mod choice;
 mod columns;
 mod error;
 pub(crate) mod fill;
@@ -49,6 +50,16 @@ pub struct LoadOptions {
     pub face_radius: FaceRadius,
     /// Which side of a mesh is outside.
     pub winding: Winding,
+}
+
+impl LoadOptions {
+    /// Values of the loader's own options, as far as the user gave any.
+    pub fn loader_values(&self) -> &SettingValues {
+        static NONE: SettingValues = SettingValues::new();
+        self.loader
+            .as_ref()
+            .map_or(&NONE, |choice| &choice.settings)
+    }
 }
 
 /// A loader that the user chose for a file.

@@ -223,7 +223,9 @@ impl App {
         });
         let mut player = self.player.clone();
         let base = player.base(&self.session.panes.active.camera);
-        let way = path.way(base, &self.session.scene).map_err(|error| error.to_string())?;
+        let way = path
+            .way(base, &self.session.scene)
+            .map_err(|error| error.to_string())?;
         let way = path.moves_camera().then_some(way);
         let tracks = self.resolved_tracks().map_err(|error| error.to_string())?;
         let end = path.duration_s();

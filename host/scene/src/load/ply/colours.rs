@@ -11,16 +11,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
-use pointstage_plugin_api::settings_schema::{
-    ChoiceOption, SettingCost, SettingKind, SettingSchema, SettingValue, SettingValues, ValueError,
-    snapshot,
-};
 use pointstage_texels::{
     Alpha, LightSum, MOST_VERTICES, Material, NO_MATERIAL, Picture, PictureFile, Surface, colours,
     divide, face_colours, linear, picture_files, polygon::triangulate, read_beside, srgb_byte,
 };
 
 use super::body::{Body, Stop};
+use super::textures::Textures;
 use crate::geometry::{Provenance, ScalarType};
 use crate::job::Job;
 use crate::load::assemble::{
@@ -29,9 +26,6 @@ use crate::load::assemble::{
 };
 use crate::warnings::{WarningKind, Warnings};
 
-/// Id of the setting.
-const SETTING: &str = "textures";
-
 /// Names of columns that hold the texture coordinates of vertices.
 const UV_NAMES: [[&str; 2]; 4] = [
     ["texture_u", "texture_v"],
@@ -39,63 +33,6 @@ const UV_NAMES: [[&str; 2]; 4] = [
     ["u", "v"],
     ["s", "t"],
 ];
-
-/// What is made of textures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Textures {
-    /// A vertex takes the mean of the texels round it, after triangles that are coarser than their picture were divided.
-    #[default]
-    Divide,
-    /// The same, without dividing.
-    Vertices,
-    /// They are not read.
-    None,
-}
-
-impl Textures {
-    const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Divide, "divide", "Divide coarse triangles"),
-        (Self::Vertices, "vertices", "At the vertices"),
-        (Self::None, "none", "Not read"),
-    ];
-
-    /// The settings of the loader.
-    pub(super) fn settings() -> Vec<SettingSchema> {
-        let option = |(_, id, label): (Self, &str, &str)| ChoiceOption {
-            id: id.to_owned(),
-            label: label.to_owned(),
-        };
-        vec![SettingSchema {
-            id: SETTING.to_owned(),
-            kind: SettingKind::Choice {
-                default: Self::ALL[0].1.to_owned(),
-                options: Self::ALL.into_iter().map(option).collect(),
-            },
-            label: "Textures".to_owned(),
-            help: format!(
-                "What gives vertices the colours of textures: the mean of the texels round each vertex; 'divide' first divides triangles that are coarser than their texture, up to {MOST_VERTICES} vertices."
-            ),
-            group: String::new(),
-            visible_if: None,
-            cost: SettingCost::Prepare,
-            shortcut: None,
-            value_shortcuts: Vec::new(),
-        }]
-    }
-
-    /// The choice that these values make.
-    pub(super) fn from_values(
-        settings: &[SettingSchema],
-        values: &SettingValues,
-    ) -> Result<Self, ValueError> {
-        let values = snapshot(settings, values)?;
-        let chosen = values.get(SETTING);
-        let found = Self::ALL
-            .into_iter()
-            .find(|(_, id, _)| chosen == Some(&SettingValue::Choice((*id).to_owned())));
-        Ok(found.map_or_else(Self::default, |(textures, ..)| textures))
-    }
-}
 
 /// What pictures and faces give.
 #[derive(Default)]

@@ -2,8 +2,8 @@
 //!
 //! Data passes in this order. `header` parses types and counts; `plan` decides which element is for what; `body` (by
 //! `binary` or `ascii`) turns vertices into tables of scalars and faces into lists of corners; of these `assemble` makes the
-//! object, as for every format, with colours from pictures and faces (`colours`). Sizes are compared with the file before anything is allocated, so a small file never takes
-//! much memory, whatever its header says.
+//! object, as for every format, with colours from pictures and faces (`colours`, as `textures` says). Sizes are compared with the
+//! file before anything is allocated, so a small file never takes much memory, whatever its header says.
 //!
 //! The format: G. Turk, *The PLY Polygon File Format*, 1994; the names of properties are those in use since (see `roles` in
 //! `assemble`).
@@ -19,16 +19,16 @@ pub(in crate::load) mod number;
 mod plan;
 mod row;
 mod text;
+mod textures;
 mod triangles;
 mod words;
 
 pub use error::PlyError;
 
 use body::{Body, Stop};
-use colours::{Found, Textures};
+use colours::Found;
 use header::PlyHeader;
-
-use pointstage_plugin_api::settings_schema::SettingValues;
+use textures::{TEXTURES, Textures};
 
 use super::LoadOptions;
 use super::assemble::{FileFaces, Roles, build, finish};
@@ -47,7 +47,7 @@ impl PlyLoader {
     pub(super) fn new() -> Self {
         Self {
             info: LoaderInfo {
-                settings: Textures::settings(),
+                settings: vec![textures::schema()],
                 ..LoaderInfo::built_in("ply", "Polygon file format (PLY)", &["ply"])
             },
         }
@@ -73,9 +73,7 @@ impl Loader for PlyLoader {
         options: &LoadOptions,
         job: &Job,
     ) -> Result<Contents, LoadStop> {
-        let given = options.loader.as_ref().map(|choice| &choice.settings);
-        let textures =
-            Textures::from_values(&self.info.settings, given.unwrap_or(&SettingValues::new()))?;
+        let textures = TEXTURES.chosen(&self.info.settings, options.loader_values())?;
         read(file, textures, options, job).map_err(|stop| match stop {
             Stop::Ply(error) => LoadStop::Format(error),
             Stop::Cancelled => LoadStop::Cancelled,

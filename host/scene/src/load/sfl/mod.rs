@@ -33,7 +33,6 @@ mod sets;
 mod tags;
 
 use glam::DAffine3;
-use pointstage_plugin_api::settings_schema::SettingValues;
 
 pub use error::SflError;
 pub(crate) use property::{NAMED, NamedProperty, Property, SET_COLUMN};
@@ -46,7 +45,7 @@ use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
 use super::source::Source;
 use crate::job::Job;
 use crate::warnings::{WarningKind, Warnings};
-use resolution::Resolution;
+use resolution::{RESOLUTION, Resolution};
 use rows::{Placement, Rows};
 use sets::SurfelFile;
 
@@ -60,7 +59,7 @@ impl SflLoader {
     pub(super) fn new() -> Self {
         Self {
             info: LoaderInfo {
-                settings: Resolution::settings(),
+                settings: vec![resolution::schema()],
                 ..LoaderInfo::built_in("sfl", "PointShop3D surfels (SFL)", &["sfl"])
             },
         }
@@ -86,9 +85,7 @@ impl Loader for SflLoader {
         options: &LoadOptions,
         job: &Job,
     ) -> Result<Contents, LoadStop> {
-        let given = options.loader.as_ref().map(|choice| &choice.settings);
-        let resolution =
-            Resolution::from_values(&self.info.settings, given.unwrap_or(&SettingValues::new()))?;
+        let resolution = RESOLUTION.chosen(&self.info.settings, options.loader_values())?;
         read(file.source(), resolution, options, job)
     }
 }
