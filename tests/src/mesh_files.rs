@@ -125,6 +125,18 @@ fn colour_of(normal: [f32; 3]) -> [u8; 3] {
     normal.map(|value| (127.5 + 127.0 * value) as u8)
 }
 
+/// A line for each vertex: `head` and the position.
+fn position_rows(mesh: &Mesh, head: &str, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut rows = mesh.positions.iter();
+    rows.try_for_each(|[x, y, z]| writeln!(out, "{head}{x:.6} {y:.6} {z:.6}"))
+}
+
+/// A line for each triangle: `head` and the indices of its vertices, from 0.
+fn face_rows(mesh: &Mesh, head: &str, out: &mut dyn Write) -> std::io::Result<()> {
+    let mut rows = mesh.triangles.iter();
+    rows.try_for_each(|[a, b, c]| writeln!(out, "{head}{a} {b} {c}"))
+}
+
 fn ply(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
     write!(
         out,
@@ -133,19 +145,12 @@ fn ply(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
         mesh.positions.len(),
         mesh.triangles.len()
     )?;
-    for [x, y, z] in &mesh.positions {
-        writeln!(out, "{x:.6} {y:.6} {z:.6}")?;
-    }
-    for [a, b, c] in &mesh.triangles {
-        writeln!(out, "3 {a} {b} {c}")?;
-    }
-    Ok(())
+    position_rows(mesh, "", out)?;
+    face_rows(mesh, "3 ", out)
 }
 
 fn obj(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
-    for [x, y, z] in &mesh.positions {
-        writeln!(out, "v {x:.6} {y:.6} {z:.6}")?;
-    }
+    position_rows(mesh, "v ", out)?;
     for [x, y, z] in &mesh.normals {
         writeln!(out, "vn {x:.4} {y:.4} {z:.4}")?;
     }
@@ -186,13 +191,8 @@ fn off(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
         mesh.positions.len(),
         mesh.triangles.len()
     )?;
-    for [x, y, z] in &mesh.positions {
-        writeln!(out, "{x:.6} {y:.6} {z:.6}")?;
-    }
-    for [a, b, c] in &mesh.triangles {
-        writeln!(out, "3 {a} {b} {c}")?;
-    }
-    Ok(())
+    position_rows(mesh, "", out)?;
+    face_rows(mesh, "3 ", out)
 }
 
 fn glb(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
@@ -257,10 +257,7 @@ fn pcd(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
 }
 
 fn xyz(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
-    for [x, y, z] in &mesh.positions {
-        writeln!(out, "{x:.6} {y:.6} {z:.6}")?;
-    }
-    Ok(())
+    position_rows(mesh, "", out)
 }
 
 fn pts(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
@@ -301,12 +298,7 @@ fn las(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
 
 fn tri(mesh: &Mesh, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "Vertices {}", mesh.positions.len())?;
-    for [x, y, z] in &mesh.positions {
-        writeln!(out, "{x:.6} {y:.6} {z:.6}")?;
-    }
+    position_rows(mesh, "", out)?;
     writeln!(out, "Triangles {}", mesh.triangles.len())?;
-    for [a, b, c] in &mesh.triangles {
-        writeln!(out, "{a} {b} {c}")?;
-    }
-    Ok(())
+    face_rows(mesh, "", out)
 }
