@@ -20,11 +20,11 @@ pub(crate) const SPLAT: Footprint = Footprint {
     uniform_size: size_of::<SplatUniform>() as u64,
 };
 
-const ATTRIBUTES: Module<'static> = Module::new(
+pub(crate) const ATTRIBUTES: Module<'static> = Module::new(
     "hqss::attributes",
     include_str!("../../../shaders/hqss/attributes.wesl"),
 );
-const ATTRIBUTES_PASS: Module<'static> = Module::new(
+pub(crate) const ATTRIBUTES_PASS: Module<'static> = Module::new(
     "hqss::attributes_pass",
     include_str!("../../../shaders/hqss/attributes_pass.wesl"),
 );

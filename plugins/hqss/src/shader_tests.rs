@@ -1,13 +1,13 @@
 //! The shaders: all variants validate, the uniform has its layout; and the manifest fits the code.
 
 #[path = "../../visibility/src/shader_checks.rs"]
-mod shader_checks;
+pub(crate) mod shader_checks;
 
-use crate::passes::{SPLAT, Sums, link_compute, link_raster, link_shading};
+use crate::passes::{ATTRIBUTES_PASS, SPLAT, Sums, link_compute, link_raster, link_shading};
 use crate::settings::SplatUniform;
 use core::mem::offset_of;
-use pointstage_visibility::{TargetSet, linked_variants};
-use shader_checks::{assert_manifest, assert_variants, validated};
+use pointstage_visibility::{QUADS_PER_INSTANCE, TargetSet, linked_variants};
+use shader_checks::{assert_constants, assert_manifest, assert_variants, validated};
 
 /// Of the shading pass.
 const LOOKS: [&[&str]; 8] = [
@@ -68,6 +68,12 @@ fn the_attribute_and_shading_passes_validate() {
             }
         }
     }
+}
+
+#[test]
+fn quads_of_an_instance_are_as_many_as_the_index_buffer_holds() {
+    let quads = f64::from(QUADS_PER_INSTANCE);
+    assert_constants(ATTRIBUTES_PASS.source, &[("QUADS_PER_INSTANCE", quads)]);
 }
 
 #[test]

@@ -57,6 +57,39 @@ pub fn assert_variants(
     }
 }
 
+/// Values of a shader's constants of this name, in the order of its text: one, or one for each condition.
+///
+/// # Panics
+/// When a constant of the name is no number.
+pub fn constants(source: &str, name: &str) -> Vec<f64> {
+    let declarations = source.lines().filter_map(|line| {
+        let declaration = &line[line.find("const ")?..];
+        let is_whole = line.starts_with("const ") || line.starts_with("@if");
+        let named = declaration.strip_prefix("const ")?.strip_prefix(name)?;
+        (is_whole && named.starts_with(':')).then_some(declaration)
+    });
+    let value = |declaration: &str| {
+        let module = validated(name, declaration);
+        let (_, constant) = module.constants.iter().next().expect("it was declared");
+        match module.global_expressions[constant.init] {
+            naga::Expression::Literal(naga::Literal::F32(value)) => f64::from(value),
+            naga::Expression::Literal(naga::Literal::U32(value)) => f64::from(value),
+            ref other => panic!("{name} is {other:?}"),
+        }
+    };
+    declarations.map(value).collect()
+}
+
+/// Compares constants of the Rust side with those of a shader.
+///
+/// # Panics
+/// When one differs, or is missing.
+pub fn assert_constants(source: &str, expected: &[(&str, f64)]) {
+    for (name, value) in expected {
+        assert_eq!(constants(source, name), [*value], "{name}");
+    }
+}
+
 /// Checks that a manifest parses, and that its first plugin has this alias and explains and groups all its settings.
 ///
 /// # Panics

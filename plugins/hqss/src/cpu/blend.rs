@@ -12,10 +12,10 @@ use pointstage_visibility::cpu::{
 use std::sync::LazyLock;
 
 /// What lit colours are blended as a share of, as in the shader.
-const BRIGHTEST: f32 = 4.0;
+pub(super) const BRIGHTEST: f32 = 4.0;
 
 /// No splat weighs less where it has a part, as in the shader.
-const LEAST_WEIGHT: f32 = 0.004;
+pub(super) const LEAST_WEIGHT: f32 = 0.004;
 
 /// What a splat blends.
 #[derive(Clone, Copy, Debug)]

@@ -9,8 +9,8 @@ use pointstage_visibility::cpu::{
 };
 
 // The constants of the shader.
-const LEAST_RADIUS_PX: f32 = 0.5;
-const STEEPEST: f32 = 3.0;
+pub(super) const LEAST_RADIUS_PX: f32 = 0.5;
+pub(super) const STEEPEST: f32 = 3.0;
 pub(super) const WITHIN_PIXEL_PX: f32 = 0.7072;
 pub(super) const RAMP_PX: f32 = 1.0;
 const NOWHERE_PX: f32 = -1e6;

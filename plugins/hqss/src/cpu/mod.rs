@@ -210,3 +210,28 @@ impl Bench {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{blend, footprint};
+    use crate::passes::{ATTRIBUTES, SPLAT};
+    use crate::shader_tests::shader_checks::assert_constants;
+
+    #[test]
+    fn constants_are_those_of_the_shaders() {
+        let least_radius_px = f64::from(footprint::LEAST_RADIUS_PX);
+        let within_pixel_px = f64::from(footprint::WITHIN_PIXEL_PX);
+        assert_constants(
+            SPLAT.source,
+            &[
+                ("LEAST_RADIUS_PX", least_radius_px),
+                ("STEEPEST", f64::from(footprint::STEEPEST)),
+                ("WITHIN_PIXEL_PX", within_pixel_px),
+                ("RAMP_PX", f64::from(footprint::RAMP_PX)),
+                ("LEAST_WEIGHT", f64::from(blend::LEAST_WEIGHT)),
+            ],
+        );
+        let brightest = f64::from(blend::BRIGHTEST);
+        assert_constants(ATTRIBUTES.source, &[("BRIGHTEST", brightest)]);
+    }
+}
