@@ -266,10 +266,10 @@ impl BlendedView {
             }
             Sums::Buffers(sums) => {
                 let sums = sums.each_ref().map(AsHandle::as_handle);
-                let [large, _] = self.visibility.large().ok_or_else(missing)?;
+                let large = self.visibility.large().ok_or_else(missing)?;
                 let seen = [visible.ids];
                 let all = [&seen[..], &sums].concat();
-                (&passes.buffers_layout, all, Some(large.as_handle()))
+                (&passes.buffers_layout, all, Some(large.list.as_handle()))
             }
         };
         let made_of: Vec<_> = [blocks.as_handle()]
@@ -382,13 +382,7 @@ impl BlendedView {
             return Err(missing());
         };
         let pipeline = passes.shading(layout, set, features)?;
-        let colours: Vec<_> = targets
-            .attachments(set)
-            .map(|target| Some(ColourAttachment::load(&target.texture)))
-            .collect();
-        let depth = targets.depth.filter(|_| set.has_depth());
-        let depth = depth.map(|target| DepthAttachment::load(&target.texture));
-        let mut pass = recorder.render_pass("shading", &colours, depth);
+        let mut pass = targets.shading_pass(set, recorder);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, self.visibility.footprint_groups.plain(), &[]);
         for (block, offset) in list.blocks.iter().zip((0..).step_by(BLOCK_STRIDE as usize)) {

@@ -28,7 +28,7 @@ pub(crate) const ATTRIBUTES_PASS: Module<'static> = Module::new(
     "hqss::attributes_pass",
     include_str!("../../../shaders/hqss/attributes_pass.wesl"),
 );
-const ATTRIBUTES_COMPUTE: Module<'static> = Module::new(
+pub(crate) const ATTRIBUTES_COMPUTE: Module<'static> = Module::new(
     "hqss::attributes_compute",
     include_str!("../../../shaders/hqss/attributes_compute.wesl"),
 );

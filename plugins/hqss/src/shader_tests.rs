@@ -3,10 +3,12 @@
 #[path = "../../visibility/src/shader_checks.rs"]
 pub(crate) mod shader_checks;
 
-use crate::passes::{ATTRIBUTES_PASS, SPLAT, Sums, link_compute, link_raster, link_shading};
+use crate::passes::{
+    ATTRIBUTES_COMPUTE, ATTRIBUTES_PASS, SPLAT, Sums, link_compute, link_raster, link_shading,
+};
 use crate::settings::SplatUniform;
 use core::mem::offset_of;
-use pointstage_visibility::{QUADS_PER_INSTANCE, TargetSet, linked_variants};
+use pointstage_visibility::{LARGE_COUNT, QUADS_PER_INSTANCE, TargetSet, linked_variants};
 use shader_checks::{assert_constants, assert_manifest, assert_variants, validated};
 
 /// Of the shading pass.
@@ -71,9 +73,11 @@ fn the_attribute_and_shading_passes_validate() {
 }
 
 #[test]
-fn quads_of_an_instance_are_as_many_as_the_index_buffer_holds() {
+fn quads_and_large_splats_are_as_many_as_their_buffers_hold() {
     let quads = f64::from(QUADS_PER_INSTANCE);
     assert_constants(ATTRIBUTES_PASS.source, &[("QUADS_PER_INSTANCE", quads)]);
+    let large = f64::from(LARGE_COUNT);
+    assert_constants(ATTRIBUTES_COMPUTE.source, &[("LARGE_COUNT", large)]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use pointstage_visibility::cpu::{depth_of, packed, share_out};
 /// Splats that a thread takes at a time.
 const SHARE: usize = 8_192;
 /// A whole weight in the sums; `UNIT` of `shaders/visibility/sums.wesl`.
-const UNIT: f32 = 65_536.0;
+pub(crate) const UNIT: f32 = 65_536.0;
 
 /// Splats that are drawn: all of one shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

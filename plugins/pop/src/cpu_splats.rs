@@ -10,9 +10,9 @@ use pointstage_pop_tree::{Node, Tree};
 /// Radius of the kernel of blended splats, in radii of the splat; `REACH` of the shader.
 pub(crate) const REACH: f32 = 1.5;
 /// How far behind the visible surface others blend with it, in radii; `DEEP` of the shader.
-const DEEP: f32 = 1.0;
+pub(crate) const DEEP: f32 = 1.0;
 /// Weight of what shows its back; `BACK` of the shader.
-const BACK: f32 = 1.0 / 32.0;
+pub(crate) const BACK: f32 = 1.0 / 32.0;
 
 /// Linear: red of the host's picture of kinds; `SPLAT_COLOUR` of the shader.
 pub(crate) const SPLAT_COLOUR: Vec3 = Vec3::new(0.672, 0.020, 0.021);

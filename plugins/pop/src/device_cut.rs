@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Words before a list's entries.
 pub(crate) const LIST_HEAD: u32 = 2;
 /// Bits of a queue's entry that hold the node; above are what is open for its children. `NODE_BITS` in the shader.
-const NODE_BITS: u32 = 25;
+pub(crate) const NODE_BITS: u32 = 25;
 /// Words of the arguments: `shaders/pop/select_draws.wesl`.
 const ARGUMENT_WORDS: u64 = 14;
 /// Words that come back: asked, culled, splats, triangles.

@@ -38,17 +38,12 @@ impl Layers<'_> {
             Visible::Buffers {
                 pixels,
                 large,
-                arguments,
                 group,
                 shading,
                 blended,
                 ..
             } => {
-                let bound = |group| Pixels {
-                    group,
-                    large,
-                    arguments,
-                };
+                let bound = |group| Pixels { group, large };
                 if let Some(blended) = blended {
                     recorder.clear_buffer(pixels);
                     self.record_kernels(recorder, &bound(group), Kind::is_triangles)?;

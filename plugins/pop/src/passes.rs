@@ -30,7 +30,7 @@ pub(crate) const MODULES: [Module<'static>; 5] = [
         include_str!("../../../shaders/pop/blending.wesl"),
     ),
 ];
-const COMPUTE: Module<'static> = Module::new(
+pub(crate) const COMPUTE: Module<'static> = Module::new(
     "pop::primitives_compute",
     include_str!("../../../shaders/pop/primitives_compute.wesl"),
 );
@@ -38,7 +38,7 @@ const JUDGE: Module<'static> = Module::new(
     "pop::judge",
     include_str!("../../../shaders/pop/judge.wesl"),
 );
-const SELECT_LEVEL: Module<'static> = Module::new(
+pub(crate) const SELECT_LEVEL: Module<'static> = Module::new(
     "pop::select_level",
     include_str!("../../../shaders/pop/select_level.wesl"),
 );

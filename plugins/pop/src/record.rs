@@ -2,12 +2,10 @@
 
 use crate::passes::{Kernels, Kind};
 use crate::uniforms::STRIDE;
-use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
 use pointstage_plugin_api::gpu::{
-    AsHandle as _, BindGroup, Buffer, ColourAttachment, ComputePass, ComputePipeline,
-    DepthAttachment, GroupRef, Recorder, RenderPass, RenderPipeline,
+    BindGroup, Buffer, ComputePass, ComputePipeline, GroupRef, Recorder, RenderPass, RenderPipeline,
 };
-use pointstage_visibility::{PixelRectangle, TargetSet, Targets};
+use pointstage_visibility::{Large, PixelRectangle, TargetSet, Targets};
 
 /// How many primitives there are.
 #[derive(Clone, Copy)]
@@ -47,9 +45,8 @@ pub(crate) struct Draw<'a> {
 pub(crate) struct Pixels<'a> {
     /// Group 3.
     pub(crate) group: &'a BindGroup,
-    /// Large triangles, and the arguments of their dispatch.
-    pub(crate) large: &'a Buffer,
-    pub(crate) arguments: &'a Buffer,
+    /// Large triangles.
+    pub(crate) large: &'a Large,
 }
 
 /// Groups 0 to 2 of a pass.
@@ -71,11 +68,7 @@ pub(crate) fn record_kernels(
     pixels: &Pixels<'_>,
 ) {
     if kernels.large.is_some() {
-        recorder.push(ClearBuffer {
-            buffer: pixels.large.as_handle(),
-            offset: 0,
-            size: 4,
-        });
+        pixels.large.clear(recorder);
     }
     let bind = |pass: &mut ComputePass<'_>| {
         bind!(pass, frame, draw);
@@ -87,18 +80,11 @@ pub(crate) fn record_kernels(
     dispatch(&mut pass, draw.count, group_size);
     drop(pass);
     let Some(large) = &kernels.large else { return };
-    // A buffer cannot be written and give a dispatch its arguments at once.
-    recorder.push(CopyBufferToBuffer {
-        source: pixels.large.as_handle(),
-        source_offset: 0,
-        target: pixels.arguments.as_handle(),
-        target_offset: 0,
-        size: 4,
-    });
+    let arguments = pixels.large.dispatch_arguments(recorder);
     let mut pass = recorder.compute_pass("large triangles");
     pass.set_pipeline(large);
     bind(&mut pass);
-    pass.dispatch_indirect(pixels.arguments, 0);
+    pass.dispatch_indirect(arguments, 0);
 }
 
 /// What the splats of one draw give their pixels.
@@ -158,13 +144,7 @@ pub(crate) fn record_shading(
     (targets, set): (&Targets, TargetSet),
     pipeline: &RenderPipeline,
 ) {
-    let colours: Vec<_> = targets
-        .attachments(set)
-        .map(|target| Some(ColourAttachment::load(&target.texture)))
-        .collect();
-    let depth = targets.depth.filter(|_| set.has_depth());
-    let depth = depth.map(|target| DepthAttachment::load(&target.texture));
-    let mut pass = recorder.render_pass("shading", &colours, depth);
+    let mut pass = targets.shading_pass(set, recorder);
     pass.set_pipeline(pipeline);
     pass.set_bind_group(3, visible, &[]);
     let mut last = None;

@@ -3,12 +3,18 @@
 #[path = "../../visibility/src/shader_checks.rs"]
 mod shader_checks;
 
-use crate::blending;
-use crate::passes::{Kernel, Kind, link_compute, link_raster, link_shading, linked_selection};
+use crate::cpu_pixels::UNIT;
+use crate::device_cut::NODE_BITS;
+use crate::passes::{
+    COMPUTE, Kernel, Kind, MODULES, SELECT_LEVEL, link_compute, link_raster, link_shading,
+    linked_selection,
+};
+use crate::split::NUMBER_MARK;
 use crate::uniforms::TreeUniform;
+use crate::{blending, cpu_splats};
 use core::mem::offset_of;
-use pointstage_visibility::{Source, TargetSet};
-use shader_checks::{assert_manifest, assert_variants, validated};
+use pointstage_visibility::{LARGE_COUNT, SUMS, Source, TargetSet};
+use shader_checks::{assert_constants, assert_manifest, assert_variants, validated};
 
 const KINDS: [Kind; 4] = [
     Kind::Splats,
@@ -101,6 +107,30 @@ fn the_attribute_passes_of_blended_splats_validate() {
             }
         }
     }
+}
+
+#[test]
+fn constants_are_those_of_the_shaders() {
+    let module = |path: &str| {
+        let mut modules = MODULES.iter();
+        modules.find(|module| module.path == path).unwrap().source
+    };
+    let kernel = [
+        ("REACH", cpu_splats::REACH),
+        ("DEEP", cpu_splats::DEEP),
+        ("BACK", cpu_splats::BACK),
+    ];
+    assert_constants(
+        module("pop::blending"),
+        &kernel.map(|(name, value)| (name, f64::from(value))),
+    );
+    let mark = f64::from(NUMBER_MARK);
+    assert_constants(module("pop::tree"), &[("NUMBER_MARK", mark)]);
+    let bits = f64::from(NODE_BITS);
+    assert_constants(SELECT_LEVEL.source, &[("NODE_BITS", bits)]);
+    let large = f64::from(LARGE_COUNT);
+    assert_constants(COMPUTE.source, &[("LARGE_COUNT", large)]);
+    assert_constants(SUMS.source, &[("UNIT", f64::from(UNIT))]);
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub(crate) struct Piece {
 
 /// A bit beside a vertex's number, so that as a float it is an ordinary one, which no device flushes to zero; `NUMBER_MARK`
 /// in the shader.
-const NUMBER_MARK: u32 = 1 << 30;
+pub(crate) const NUMBER_MARK: u32 = 1 << 30;
 
 /// Pieces of at most `most` triangles each, by halves along the longest side of their bounds.
 ///

@@ -5,10 +5,8 @@ use crate::passes::Passes;
 use pointstage_plugin_api::Result;
 use pointstage_plugin_api::abi::{self, BufferUsage, Format};
 use pointstage_plugin_api::gpu::{AsHandle as _, BindGroup, Buffer, Texture};
-use pointstage_visibility::{Source, picture_texture};
+use pointstage_visibility::{Large, Source, picture_texture};
 
-/// Large triangles of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
-const LARGE_COUNT: u64 = 65_535;
 /// Bytes of a pixel of the compute path: primitive and depth.
 const PIXEL_BYTES: u64 = 8;
 
@@ -17,8 +15,7 @@ pub(crate) enum Visible {
     Buffers {
         size_px: [u32; 2],
         pixels: Buffer,
-        large: Buffer,
-        arguments: Buffer,
+        large: Large,
         /// Group 3 of the kernels, and of shading.
         group: BindGroup,
         shading: BindGroup,
@@ -41,21 +38,15 @@ impl Visible {
         let gpu = &passes.gpu;
         let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
         let pixels = gpu.buffer("visible pixels", pixel_bytes(size_px), storage)?;
-        let large = gpu.buffer(
-            "large triangles",
-            4 * (3 + LARGE_COUNT),
-            storage | BufferUsage::COPY_SRC,
-        )?;
-        // Workgroups in x come from the count, one in y and z.
-        let arguments = gpu.buffer_with("large dispatch", BufferUsage::INDIRECT, &[0_u32, 1, 1])?;
+        let large = Large::new(gpu, "large triangles")?;
         let group = gpu.bind_group(
             "visible pixels",
             &passes.pixels_layout,
-            &[(0, &pixels), (1, &large)],
+            &[(0, &pixels), (1, &large.list)],
         )?;
         let bytes = pixel_bytes(size_px);
         let blended = is_blended
-            .then(|| BlendedBuffers::new(passes, size_px, bytes, &large))
+            .then(|| BlendedBuffers::new(passes, size_px, bytes, &large.list))
             .transpose()?;
         let shading = match &blended {
             Some(blended) => blended.shading(passes, &pixels)?,
@@ -65,7 +56,6 @@ impl Visible {
             size_px,
             pixels,
             large,
-            arguments,
             group,
             shading,
             blended,

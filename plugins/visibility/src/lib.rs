@@ -15,6 +15,7 @@
 
 #![forbid(unsafe_code)]
 
+mod buffers;
 mod clips;
 pub mod cpu;
 mod draws;
@@ -25,9 +26,11 @@ mod rectangle;
 mod request;
 #[cfg(test)]
 mod shader_checks;
+mod shading_inputs;
 mod targets;
 mod view;
 
+pub use buffers::{LARGE_COUNT, Large, rows_of};
 pub use clips::{CLIPPED, ClipPlace, Clips, FootprintGroups, Variants};
 pub use draws::{BlockItem, DrawItem, DrawList};
 pub use footprint::{Footprint, Varying};
@@ -38,5 +41,6 @@ pub use pipelines::{
 pub use record::{KernelGroups, record_kernels, record_quads};
 pub use rectangle::PixelRectangle;
 pub use request::{Extent, Path, Request};
+pub use shading_inputs::BLOCK_STRIDE;
 pub use targets::{TargetSet, Targets, picture_texture};
-pub use view::{BLOCK_STRIDE, VisibilityView, Visible, rows_of};
+pub use view::{VisibilityView, Visible};

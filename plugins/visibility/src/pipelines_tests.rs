@@ -1,7 +1,8 @@
 //! Every variant of every pass links and validates.
 
 use super::*;
-use crate::shader_checks::validated;
+use crate::buffers::LARGE_COUNT;
+use crate::shader_checks::{assert_constants, constants, validated};
 
 /// A footprint of one pixel, for tests of the passes alone.
 const PIXEL: &str = "
@@ -58,4 +59,14 @@ fn every_set_of_targets_shades() {
             );
         }
     }
+}
+
+#[test]
+fn constants_are_those_of_the_shaders() {
+    let quads = f64::from(QUADS_PER_INSTANCE);
+    assert_constants(VISIBILITY_PASS.source, &[("QUADS_PER_INSTANCE", quads)]);
+    let large = f64::from(LARGE_COUNT);
+    assert_constants(VISIBILITY_COMPUTE.source, &[("LARGE_COUNT", large)]);
+    let sizes = [GROUP, WIDE_GROUP].map(f64::from);
+    assert_eq!(constants(VISIBILITY_COMPUTE.source, "GROUP_SIZE"), sizes);
 }

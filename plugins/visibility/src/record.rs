@@ -1,16 +1,17 @@
 //! The passes of a frame, recorded.
 
+use crate::buffers::Large;
 use crate::clips::{FootprintGroups, Variants};
 use crate::draws::DrawList;
 use crate::pipelines::{INDICES_PER_QUAD, Kernels, Prepared, QUADS_PER_INSTANCE};
 use crate::request::Extent;
+use crate::shading_inputs::BLOCK_STRIDE;
 use crate::targets::{TargetSet, Targets};
-use crate::view::{BLOCK_STRIDE, VisibilityView};
+use crate::view::VisibilityView;
 use pointstage_plugin_api::abi::Handle;
-use pointstage_plugin_api::abi::commands::{ClearBuffer, CopyBufferToBuffer};
 use pointstage_plugin_api::gpu::{
-    AsHandle, BindGroup, Buffer, ColourAttachment, ComputePass, DepthAttachment, GroupRef,
-    Recorder, RenderPass, RenderPipeline,
+    AsHandle, BindGroup, ColourAttachment, ComputePass, DepthAttachment, GroupRef, Recorder,
+    RenderPass, RenderPipeline,
 };
 use pointstage_plugin_api::{Error, Result, Target};
 
@@ -97,7 +98,7 @@ pub(crate) fn record_compute(
         frame: frame_group,
         footprint: &view.footprint_groups,
         pixels: &buffers.group,
-        large: (extent == Extent::Any).then_some([&buffers.large, &buffers.arguments]),
+        large: (extent == Extent::Any).then_some(&buffers.large),
     };
     for kernel in kernels {
         record_kernels(recorder, "visibility", kernel, list, &groups);
@@ -114,8 +115,8 @@ pub struct KernelGroups<'a> {
     pub footprint: &'a FootprintGroups,
     /// Group 3.
     pub pixels: &'a BindGroup,
-    /// The list of large surfels, and the arguments of their dispatch; none if no surfel is large.
-    pub large: Option<[&'a Buffer; 2]>,
+    /// Of large surfels; none if no surfel is large.
+    pub large: Option<&'a Large>,
 }
 
 /// Kernels over all draws, one after the other.
@@ -128,12 +129,8 @@ pub fn record_kernels(
 ) {
     for draw in &list.draws {
         let kernels = kernels.of_draw(draw);
-        if let Some([large, _]) = groups.large {
-            recorder.push(ClearBuffer {
-                buffer: large.as_handle(),
-                offset: 0,
-                size: 4,
-            });
+        if let Some(large) = groups.large {
+            large.clear(recorder);
         }
         let bind = |pass: &mut ComputePass<'_>| {
             pass.set_bind_group(0, &groups.frame, &[draw.uniform_offset]);
@@ -146,18 +143,10 @@ pub fn record_kernels(
         bind(&mut pass);
         pass.dispatch_linear(draw.count, kernels.group_size);
         drop(pass);
-        let Some([large, arguments]) = groups.large else {
+        let Some(large) = groups.large else {
             continue;
         };
-
-        // A buffer cannot be written and give a dispatch its arguments at once.
-        recorder.push(CopyBufferToBuffer {
-            source: large.as_handle(),
-            source_offset: 0,
-            target: arguments.as_handle(),
-            target_offset: 0,
-            size: 4,
-        });
+        let arguments = large.dispatch_arguments(recorder);
         let mut pass = recorder.compute_pass(&format!("{label}, large"));
         pass.set_pipeline(&kernels.large);
         bind(&mut pass);
@@ -175,16 +164,7 @@ pub(crate) fn record_shading(
     set: TargetSet,
     pipeline: &RenderPipeline,
 ) {
-    let colours: Vec<_> = targets
-        .attachments(set)
-        .map(|target| Some(ColourAttachment::load(&target.texture)))
-        .collect();
-    let depth = targets.depth.filter(|_| set.has_depth());
-    let mut pass = recorder.render_pass(
-        "shading",
-        &colours,
-        depth.map(|target| DepthAttachment::load(&target.texture)),
-    );
+    let mut pass = targets.shading_pass(set, recorder);
     pass.set_pipeline(pipeline);
     for (block, offset) in list.blocks.iter().zip((0..).step_by(BLOCK_STRIDE as usize)) {
         if block.pixels.size.contains(&0) {

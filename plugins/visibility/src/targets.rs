@@ -1,7 +1,10 @@
 //! The targets that a frame asks for, as attachments of the shading pass.
 
 use pointstage_plugin_api::abi::{Compare, Format, TextureUsage};
-use pointstage_plugin_api::gpu::{ColourTarget, DepthTest, Gpu, Texture, TextureOptions};
+use pointstage_plugin_api::gpu::{
+    ColourAttachment, ColourTarget, DepthAttachment, DepthTest, Gpu, Recorder, RenderPass, Texture,
+    TextureOptions,
+};
 use pointstage_plugin_api::{Frame, Result, Target, targets};
 
 /// A colour attachment that shading can fill: the target's key, its format, its feature in the shader, its slot's name.
@@ -134,9 +137,15 @@ impl Targets {
         TargetSet(self.all().0 & !VISIBILITY_BITS)
     }
 
-    /// The attachments of a set, in slot order.
-    pub fn attachments(&self, set: TargetSet) -> impl Iterator<Item = Target> + '_ {
-        set.indices().filter_map(|index| self.colours[index])
+    /// Opens the pass that shades into those of a set: what no shading reaches stays.
+    pub fn shading_pass<'r>(&self, set: TargetSet, recorder: &'r mut Recorder) -> RenderPass<'r> {
+        let attached = set.indices().filter_map(|index| self.colours[index]);
+        let colours: Vec<_> = attached
+            .map(|target| Some(ColourAttachment::load(&target.texture)))
+            .collect();
+        let depth = self.depth.filter(|_| set.has_depth());
+        let depth = depth.map(|target| DepthAttachment::load(&target.texture));
+        recorder.render_pass("shading", &colours, depth)
     }
 }
 

@@ -1,5 +1,6 @@
 //! One viewport: buffers of the picture's size, and the frame.
 
+use crate::buffers::{ComputeBuffers, Large, PIXEL_BYTES, RasterBuffers, rows_of};
 use crate::clips::{CLIPPED, FootprintGroups, Variants};
 use crate::cpu::{Bins, Nearest, Rectangle, Stage};
 use crate::draws::DrawList;
@@ -7,51 +8,14 @@ use crate::pipelines::{Kernel, Kernels, Prepared, Source, has_int64};
 use crate::record::{missing, record_compute, record_raster, record_shading};
 use crate::rectangle::PixelRectangle;
 use crate::request::{Path, Request};
+use crate::shading_inputs::ShadingInputs;
 use crate::targets::Targets;
-use crate::targets::picture_texture;
-use pointstage_plugin_api::abi::{self, BufferUsage, Format, Handle};
-use pointstage_plugin_api::gpu::{AsHandle, BindGroup, Buffer, Gpu, Recorder, Texture};
+use pointstage_plugin_api::abi::{BufferUsage, Handle};
+use pointstage_plugin_api::gpu::{AsHandle, Buffer, Gpu, Recorder};
 use pointstage_plugin_api::{Frame, Host, Outcome, Result, Target, statistics};
 
-/// `BlockUniform` of the shading pass (first id, number of ids, whether it is the first block), padded to an offset that every device accepts.
-type BlockUniform = [u32; 64];
-
-/// Bytes from one block's uniform to the next.
-pub const BLOCK_STRIDE: u32 = size_of::<BlockUniform>() as u32;
 /// Storage buffers that the kernels bind at once with clip lines: these, the columns, pixels and large surfels.
 const STORAGE_BUFFERS_CLIPPED: u64 = 9;
-/// Large surfels of a draw that the second kernel takes; `LARGE_COUNT` in the shader.
-const LARGE_COUNT: u64 = 65_535;
-
-/// Own targets of the raster path, where the host did not ask for them.
-pub(crate) struct RasterBuffers {
-    size_px: [u32; 2],
-    pub(crate) ids: Texture,
-    pub(crate) depth: Texture,
-}
-
-/// Buffers of the compute path.
-pub(crate) struct ComputeBuffers {
-    pixel_count: u64,
-    pub(crate) pixels: Buffer,
-    pub(crate) large: Buffer,
-    /// Arguments of the large kernel's dispatch.
-    pub(crate) arguments: Buffer,
-    pub(crate) group: BindGroup,
-}
-
-struct BlockUniforms {
-    capacity: usize,
-    buffer: Buffer,
-}
-
-/// Group 2 of shading, for what it was made of.
-struct ShadingGroup {
-    visible: Handle,
-    blocks: Handle,
-    group: BindGroup,
-}
-
 /// What is visible, where the next step finds it.
 #[derive(Clone, Copy, Debug)]
 pub struct Visible {
@@ -75,8 +39,7 @@ pub struct VisibilityView {
     pub footprint_groups: FootprintGroups,
     pub(crate) raster: Option<RasterBuffers>,
     pub(crate) compute: Option<ComputeBuffers>,
-    blocks: Option<BlockUniforms>,
-    shading_group: Option<ShadingGroup>,
+    shading: ShadingInputs,
     bins: Bins,
     nearest: Nearest,
     warned: bool,
@@ -109,8 +72,7 @@ impl VisibilityView {
             footprint_groups,
             raster: None,
             compute: None,
-            blocks: None,
-            shading_group: None,
+            shading: ShadingInputs::default(),
             bins: Bins::default(),
             nearest: Nearest::default(),
             warned: false,
@@ -132,7 +94,7 @@ impl VisibilityView {
         if list.draws.is_empty() || targets.all().is_empty() {
             return Ok(Outcome::Done);
         }
-        let blocks = self.write_blocks(&prepared.gpu, &list)?;
+        let blocks = self.shading.write_blocks(&prepared.gpu, &list)?;
         let mut recorder = Recorder::new();
         let own = [targets.id(), targets.level(), targets.depth];
         let visible = self.record_visible(prepared, frame, request, &list, own, &mut recorder)?;
@@ -144,7 +106,7 @@ impl VisibilityView {
         };
         if !set.is_empty() {
             let pipeline = prepared.shading(source, set)?;
-            let group = self.shading_group(prepared, source, visible.ids, &blocks)?;
+            let group = self.shading.group(prepared, source, visible.ids, &blocks)?;
             record_shading(
                 &mut recorder,
                 &group,
@@ -197,7 +159,7 @@ impl VisibilityView {
         };
         if self.takes_compute(gpu, frame.size_px(), request, list, level.is_some()) {
             let kernels = compute_kernels(prepared, request, &features, list)?;
-            self.ready_compute(prepared, frame.size_px())?;
+            ComputeBuffers::ready(&mut self.compute, prepared, frame.size_px())?;
             let frame = frame.group();
             let buffer = record_compute(recorder, self, frame, list, &kernels, request.extent)?;
             return Ok(Visible {
@@ -208,7 +170,7 @@ impl VisibilityView {
                 depths: buffer,
             });
         }
-        self.ready_raster(gpu, frame.size_px())?;
+        RasterBuffers::ready(&mut self.raster, gpu, frame.size_px())?;
         let pipelines = Variants::of(list, |is_clipped| {
             prepared.raster(&with_clip(&features, is_clipped), level.is_some())
         })?;
@@ -269,7 +231,7 @@ impl VisibilityView {
         let gpu = &prepared.gpu;
         gpu.write(&self.uniform, 0, request.uniform)?;
         let size_px = nearest.size_px();
-        self.ready_compute(prepared, size_px)?;
+        ComputeBuffers::ready(&mut self.compute, prepared, size_px)?;
         let buffers = self.compute.as_ref().ok_or_else(missing)?;
         // Shading may look at the next pixels, too.
         let rows = rows_of(reached.pixels(1, size_px), size_px);
@@ -284,10 +246,17 @@ impl VisibilityView {
         })
     }
 
-    /// The list of large surfels and the arguments of their dispatch, once the compute path has drawn.
-    pub fn large(&self) -> Option<[&Buffer; 2]> {
-        let buffers = self.compute.as_ref()?;
-        Some([&buffers.large, &buffers.arguments])
+    /// What the second kernels draw, once the compute path has drawn.
+    pub fn large(&self) -> Option<&Large> {
+        self.compute.as_ref().map(|buffers| &buffers.large)
+    }
+
+    /// Writes the blocks' id ranges; the buffer with them.
+    ///
+    /// # Errors
+    /// If the device refuses the buffer.
+    pub fn write_blocks(&mut self, gpu: &Gpu, list: &DrawList) -> Result<Buffer> {
+        self.shading.write_blocks(gpu, list)
     }
 
     /// Whether the compute path draws this frame.
@@ -328,142 +297,6 @@ impl VisibilityView {
             self.warned = true;
             self.host.performance_warning(why);
         }
-    }
-
-    /// Textures of the raster path, of this size.
-    fn ready_raster(&mut self, gpu: &Gpu, size_px: [u32; 2]) -> Result<()> {
-        if self
-            .raster
-            .as_ref()
-            .is_some_and(|buffers| buffers.size_px == size_px)
-        {
-            return Ok(());
-        }
-        let texture = |label, format| picture_texture(gpu, label, size_px, format);
-        self.raster = Some(RasterBuffers {
-            size_px,
-            ids: texture("visible ids", Format::R32_UINT)?,
-            depth: texture("depth", Format::DEPTH32_FLOAT)?,
-        });
-        Ok(())
-    }
-
-    /// Buffers of the compute path, for a picture of this size.
-    fn ready_compute(&mut self, prepared: &Prepared, size_px: [u32; 2]) -> Result<()> {
-        let bytes = pixel_bytes(size_px);
-        if self
-            .compute
-            .as_ref()
-            .is_some_and(|buffers| buffers.pixel_count == bytes)
-        {
-            return Ok(());
-        }
-        let gpu = &prepared.gpu;
-        let storage = BufferUsage::STORAGE | BufferUsage::COPY_DST;
-        let pixels = gpu.buffer("visible pixels", bytes, storage)?;
-        let large = gpu.buffer(
-            "large surfels",
-            4 * (3 + LARGE_COUNT),
-            storage | BufferUsage::COPY_SRC,
-        )?;
-        // Workgroups in x come from the count, one in y and z.
-        let arguments = gpu.buffer_with("large dispatch", BufferUsage::INDIRECT, &[0_u32, 1, 1])?;
-        let group = gpu.bind_group(
-            "visible pixels",
-            &prepared.pixels_layout,
-            &[(0, &pixels), (1, &large)],
-        )?;
-        self.compute = Some(ComputeBuffers {
-            pixel_count: bytes,
-            pixels,
-            large,
-            arguments,
-            group,
-        });
-        Ok(())
-    }
-
-    /// Writes the blocks' id ranges; the buffer with them.
-    ///
-    /// # Errors
-    /// If the device refuses the buffer.
-    pub fn write_blocks(&mut self, gpu: &Gpu, list: &DrawList) -> Result<Buffer> {
-        let uniforms: Vec<_> = list
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(number, block)| {
-                let mut uniform: BlockUniform = [0; 64];
-                uniform[0] = block.id_base;
-                uniform[1] = block.id_count;
-                uniform[2] = u32::from(number == 0);
-                uniform
-            })
-            .collect();
-        let buffer = match &self.blocks {
-            Some(blocks) if blocks.capacity >= uniforms.len() => blocks.buffer.clone(),
-            _ => {
-                let capacity = uniforms.len().next_power_of_two();
-                let bytes = capacity as u64 * u64::from(BLOCK_STRIDE);
-                let buffer = gpu.buffer(
-                    "blocks",
-                    bytes,
-                    BufferUsage::UNIFORM | BufferUsage::COPY_DST,
-                )?;
-                self.blocks = Some(BlockUniforms {
-                    capacity,
-                    buffer: buffer.clone(),
-                });
-                buffer
-            }
-        };
-        gpu.write(&buffer, 0, &uniforms)?;
-        Ok(buffer)
-    }
-
-    /// Group 2 of shading. The view keeps it, since the host replays commands after `render`.
-    fn shading_group(
-        &mut self,
-        prepared: &Prepared,
-        source: Source,
-        visible: Handle,
-        blocks: &Buffer,
-    ) -> Result<BindGroup> {
-        let blocks = blocks.as_handle();
-        if let Some(kept) = &self.shading_group
-            && kept.visible == visible
-            && kept.blocks == blocks
-        {
-            return Ok(kept.group.clone());
-        }
-        let layout = match source {
-            Source::Ids => &prepared.ids_layout,
-            Source::Pixels => &prepared.visible_layout,
-        };
-        let entries = [
-            abi::BindingRecord {
-                binding: 0,
-                resource: visible,
-                ..Default::default()
-            },
-            abi::BindingRecord {
-                binding: 1,
-                resource: blocks,
-                offset: 0,
-                size: u64::from(BLOCK_STRIDE),
-            },
-        ];
-        let group = prepared.gpu.bind_group_from(&abi::BindGroupDescriptor {
-            label: "visible".into(),
-            layout: layout.handle(),
-            entries: entries.as_slice().into(),
-        })?;
-        self.shading_group = Some(ShadingGroup {
-            visible,
-            blocks,
-            group: group.clone(),
-        });
-        Ok(group)
     }
 }
 
@@ -524,19 +357,5 @@ fn obstacle(
     }
 }
 
-/// Places of a rectangle's rows in a buffer of all pixels.
-pub fn rows_of(pixels: PixelRectangle, size_px: [u32; 2]) -> core::ops::Range<usize> {
-    let row = |row: u32| row as usize * size_px[0] as usize;
-    row(pixels.origin[1])..row(pixels.origin[1] + pixels.size[1])
-}
-
 /// Emptying and bringing to the device this many pixels takes the CPU as long as it saves on a splat.
 const PIXELS_A_SPLAT: u64 = 16;
-
-/// Bytes of a pixel of the compute path: id and depth.
-const PIXEL_BYTES: u64 = 8;
-
-/// Bytes of the compute path's pixels.
-fn pixel_bytes([width, height]: [u32; 2]) -> u64 {
-    PIXEL_BYTES * u64::from(width) * u64::from(height)
-}

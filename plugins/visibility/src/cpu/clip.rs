@@ -5,7 +5,7 @@ use pointstage_plugin_api::clip::ClipLines;
 use pointstage_plugin_api::glam::{BVec4A, Vec3, Vec4};
 
 /// Farther than any edge, px.
-const FAR_PX: f32 = 1e20;
+pub(super) const FAR_PX: f32 = 1e20;
 
 /// Whether the lines leave four points.
 ///

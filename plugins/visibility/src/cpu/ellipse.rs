@@ -80,9 +80,9 @@ pub(super) struct Spheres4 {
 }
 
 // The constants of the shader.
-const BOUNDS_MARGIN_PX: f32 = 1.0 / 64.0;
-const CUT_MARGIN_PX: f32 = 1.0;
-const EDGE_ON: f32 = 1e-6;
+pub(super) const BOUNDS_MARGIN_PX: f32 = 1.0 / 64.0;
+pub(super) const CUT_MARGIN_PX: f32 = 1.0;
+pub(super) const EDGE_ON: f32 = 1e-6;
 
 impl From<&FrameUniform> for Camera4 {
     fn from(frame: &FrameUniform) -> Self {

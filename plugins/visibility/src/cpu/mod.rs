@@ -31,3 +31,29 @@ pub use splats::Splats;
 pub use sums::{FULL, Sum, Sums};
 pub use surfels::{Stage, Surfels, Surfels4};
 pub use workers::share_out;
+
+#[cfg(test)]
+mod tests {
+    use super::{clip, ellipse};
+    use crate::shader_checks::assert_constants;
+    use pointstage_plugin_api::wgsl::LIBRARY;
+
+    #[test]
+    fn constants_are_those_of_the_shaders() {
+        let module = |path: &str| {
+            let mut modules = LIBRARY.iter();
+            modules.find(|module| module.path == path).unwrap().source
+        };
+        let of_ellipses = [
+            ("BOUNDS_MARGIN_PX", ellipse::BOUNDS_MARGIN_PX),
+            ("CUT_MARGIN_PX", ellipse::CUT_MARGIN_PX),
+            ("EDGE_ON", ellipse::EDGE_ON),
+        ];
+        assert_constants(
+            module("lib::ellipse"),
+            &of_ellipses.map(|(name, value)| (name, f64::from(value))),
+        );
+        let far = f64::from(clip::FAR_PX);
+        assert_constants(module("lib::clip"), &[("FAR_PX", far)]);
+    }
+}
