@@ -265,9 +265,9 @@ mod tests {
         found[1].write(&records, 8, 1, &mut values);
         let expected = [98.5_f64.to_ne_bytes(), 104.0_f64.to_ne_bytes()].concat();
         assert_eq!(values[..], expected);
-        let mut values = [0; 2];
+        let mut values = [0; 4];
         found[0].write(&[9, 1, 2, 0, 0, 0, 0, 0, 9, 3, 4], 8, 1, &mut values);
-        assert_eq!(values, [1, 3]);
+        assert_eq!(values, [1, 2, 3, 4]);
     }
 
     #[test]
