@@ -1,4 +1,8 @@
-//! Lines, words and numbers of text files, for loaders.
+//! Lines, words and numbers of text files, for loaders; [`pieces`](crate::pieces) has them read by several threads.
+
+use memchr::memchr2;
+
+pub use crate::scan::{scan_f64, scan_i64};
 
 /// The lines of a text file, with their numbers; they end in LF, CR LF or CR.
 #[derive(Clone, Debug)]
@@ -11,7 +15,7 @@ pub struct Lines<'a> {
 /// One line of a text file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line<'a> {
-    /// From 1, as editors count.
+    /// From 1, as editors count; in a [piece](crate::pieces) from its start.
     pub number: u64,
     /// Without its end.
     pub text: &'a [u8],
@@ -25,6 +29,23 @@ impl<'a> Lines<'a> {
             position: 0,
             number: 0,
         }
+    }
+
+    /// All of the text, what has been read too.
+    pub(crate) fn text(&self) -> &'a [u8] {
+        self.text
+    }
+
+    /// Number of the line that was read last; 0 before the first.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The same lines without those that begin at byte `end` or behind it, where a line begins.
+    #[must_use]
+    pub fn until(mut self, end: usize) -> Self {
+        self.text = self.text.get(..end).unwrap_or(self.text);
+        self
     }
 
     /// Byte where the next line begins.
@@ -47,10 +68,7 @@ impl<'a> Iterator for Lines<'a> {
             return None;
         }
         self.number += 1;
-        let length = rest
-            .iter()
-            .position(|byte| matches!(byte, b'\n' | b'\r'))
-            .unwrap_or(rest.len());
+        let length = memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
         let (text, end) = rest.split_at(length);
         let end = match end {
             [b'\r', b'\n', ..] => 2,
@@ -68,9 +86,19 @@ impl<'a> Iterator for Lines<'a> {
 impl<'a> Line<'a> {
     /// What stands between spaces and tabs.
     pub fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        self.text
-            .split(|byte| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c))
-            .filter(|word| !word.is_empty())
+        let is_blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c);
+        let mut rest = self.text;
+        std::iter::from_fn(move || {
+            while let [first, behind @ ..] = rest
+                && is_blank(first)
+            {
+                rest = behind;
+            }
+            let length = rest.iter().position(is_blank).unwrap_or(rest.len());
+            let (word, behind) = rest.split_at(length);
+            rest = behind;
+            (!word.is_empty()).then_some(word)
+        })
     }
 
     /// The line for a message: at most 40 bytes, escaped.
@@ -80,13 +108,21 @@ impl<'a> Line<'a> {
 }
 
 /// The number that a word is, if it is one: `1`, `-2.5e3`, `+.5`, `nan`, `inf`.
+#[inline]
 pub fn number(word: &[u8]) -> Option<f64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    match scan_f64(word) {
+        Some((value, length)) if length == word.len() => Some(value),
+        _ => std::str::from_utf8(word).ok()?.parse().ok(),
+    }
 }
 
 /// The whole number that a word is, if it is one.
+#[inline]
 pub fn integer(word: &[u8]) -> Option<i64> {
-    std::str::from_utf8(word).ok()?.parse().ok()
+    match scan_i64(word) {
+        Some((value, length)) if length == word.len() => Some(value),
+        _ => std::str::from_utf8(word).ok()?.parse().ok(),
+    }
 }
 
 /// Bytes of a file for a message: at most 40, escaped.

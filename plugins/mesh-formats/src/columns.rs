@@ -86,6 +86,11 @@ impl Mesh {
             }
             out.rows(range.len(), &run)?;
         }
+        let (triangles, rest) = self.corners.as_chunks::<3>();
+        if rest.is_empty() && self.lengths.iter().all(|length| *length == 3) {
+            out.triangles(triangles)?;
+            return self.textures.write(out);
+        }
         let mut rest = self.corners.as_slice();
         for lengths in self.lengths.chunks(RUN) {
             let corner_count: usize = lengths.iter().map(|length| *length as usize).sum();

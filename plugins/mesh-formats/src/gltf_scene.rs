@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use gltf::mesh::Mode;
 use gltf::texture::WrappingMode;
-use gltf::{Document, Gltf, Node, Primitive, buffer, image, material::AlphaMode};
+use gltf::{Document, Node, Primitive, image, material::AlphaMode};
 use pointstage_plugin_api::glam::{DMat4, DVec2, DVec3, Mat3, Vec3};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
@@ -20,6 +20,8 @@ use pointstage_texels::{Alpha, Material, NO_MATERIAL, Picture, Wrap, read_beside
 
 use crate::columns::Mesh;
 use crate::data_url;
+use crate::gltf_buffers::Buffers;
+use crate::gltf_plain::Plain;
 use crate::textured::{Meets, Textured, Textures};
 
 /// Vertices of one accessor that may come of a few bytes: one without a buffer is all zeros.
@@ -52,28 +54,30 @@ impl Loader for GltfLoader {
         let textures = Textures::of(settings)?;
         // The library takes some numbers of a damaged file as they are and stops in the middle, its own validation included.
         let read = catch_unwind(AssertUnwindSafe(|| read(file, textures, out, progress)));
-        let mesh = read.unwrap_or_else(|_| {
+        read.unwrap_or_else(|_| {
             Err(Error::failed(
                 "the file is no sound glTF: numbers in it lead nowhere; it is damaged, export it again",
             ))
-        })?;
-        mesh.write(out, progress)
+        })
     }
 }
 
-/// The meshes of the scene as one.
+/// Hands over the meshes of the scene as one.
 fn read(
     file: &SourceFile<'_>,
     textures: Textures,
     out: &mut Output<'_>,
     progress: &Progress<'_>,
-) -> Result<Mesh> {
-    let Gltf { document, blob } = Gltf::from_slice(file.bytes)
+) -> Result<()> {
+    let (document, inside) = Buffers::of_file(file.bytes)
         .map_err(|error| Error::failed(format!("the file is no sound glTF: {error}")))?;
     progress.set(0.05, "reading buffers");
-    let buffers = gltf::import_buffers(&document, file.path.parent(), blob)
+    let buffers = Buffers::import(document, inside, file.path)
         .map_err(|error| Error::failed(format!("a buffer cannot be read: {error}")))?;
     progress.check()?;
+    if let Some(plain) = Plain::of(Parts::of(&buffers.document), &buffers) {
+        return plain.write(out, progress);
+    }
     let mut reader = Reader {
         buffers: &buffers,
         path: file.path,
@@ -83,9 +87,13 @@ fn read(
         mesh: Mesh::default(),
         left_out: 0,
         out,
-        progress,
     };
-    reader.read_scene(&document)?;
+    let mut parts = Parts::of(&buffers.document);
+    while let Some(part) = parts.next() {
+        progress.check()?;
+        progress.set(0.2 + 0.8 * parts.fraction(), "reading meshes");
+        reader.read_primitive(&part.primitive, part.world_from_node)?;
+    }
     let Reader {
         mut mesh,
         mut textured,
@@ -104,14 +112,97 @@ fn read(
     if textured.has_pictures() {
         textured.colour(&mut mesh, textures, Meets::Multiplies, out, progress)?;
     }
-    Ok(mesh)
+    mesh.write(out, progress)
+}
+
+/// A primitive of the scene, and where it stands.
+pub(crate) struct Part<'d> {
+    pub(crate) primitive: Primitive<'d>,
+    pub(crate) world_from_node: DMat4,
+}
+
+/// The primitives of the default scene, node by node.
+pub(crate) struct Parts<'d> {
+    open: Vec<(Node<'d>, DMat4)>,
+    /// A node has one parent; a file that says otherwise is not walked in circles.
+    seen: HashSet<usize>,
+    node_count: usize,
+    /// What is left of the node walked to last.
+    primitives: Option<(gltf::mesh::iter::Primitives<'d>, DMat4)>,
+}
+
+impl<'d> Parts<'d> {
+    fn of(document: &'d Document) -> Self {
+        let scene = document
+            .default_scene()
+            .or_else(|| document.scenes().next());
+        let roots: Vec<Node<'_>> = match scene {
+            Some(scene) => scene.nodes().collect(),
+            None => document.nodes().collect(),
+        };
+        let open = roots.into_iter().map(|node| (node, DMat4::IDENTITY));
+        Self {
+            open: open.collect(),
+            seen: HashSet::new(),
+            node_count: document.nodes().count().max(1),
+            primitives: None,
+        }
+    }
+
+    /// Part of the nodes that were walked to.
+    fn fraction(&self) -> f32 {
+        self.seen.len() as f32 / self.node_count as f32
+    }
+}
+
+impl<'d> Iterator for Parts<'d> {
+    type Item = Part<'d>;
+
+    fn next(&mut self) -> Option<Part<'d>> {
+        loop {
+            if let Some((primitives, world_from_node)) = &mut self.primitives
+                && let Some(primitive) = primitives.next()
+            {
+                return Some(Part {
+                    primitive,
+                    world_from_node: *world_from_node,
+                });
+            }
+            let (node, world_from_parent) = self.open.pop()?;
+            if !self.seen.insert(node.index()) {
+                continue;
+            }
+            let columns = node.transform().matrix();
+            let local = DMat4::from_cols_array_2d(&columns.map(|column| column.map(f64::from)));
+            let world_from_node = world_from_parent * local;
+            let mesh = node.mesh();
+            self.primitives = mesh.map(|mesh| (mesh.primitives(), world_from_node));
+            let children = node.children();
+            self.open
+                .extend(children.map(|child| (child, world_from_node)));
+        }
+    }
+}
+
+/// Normals in the world; zeros, which the host replaces, for those that have no direction.
+pub(crate) fn world_normals(
+    in_node: impl Iterator<Item = [f32; 3]>,
+    world_from_node: DMat4,
+) -> impl Iterator<Item = [f32; 3]> {
+    let linear = Mat3::from_mat4(world_from_node.as_mat4());
+    // A matrix that flattens has no inverse: those normals are for the host to find.
+    let to_world = linear.inverse().transpose();
+    in_node.map(move |normal| {
+        let normal = to_world * Vec3::from_array(normal);
+        normal.try_normalize().unwrap_or(Vec3::ZERO).to_array()
+    })
 }
 
 /// The picture of a source.
 fn read_picture(
     source: &image::Source<'_>,
     file: &Path,
-    buffers: &[buffer::Data],
+    buffers: &Buffers<'_>,
     alpha: Alpha,
 ) -> std::result::Result<Picture, String> {
     let decode = |name: &str, bytes: Vec<u8>| {
@@ -148,7 +239,7 @@ fn name_of(source: &image::Source<'_>) -> String {
 }
 
 struct Reader<'r, 'o> {
-    buffers: &'r [buffer::Data],
+    buffers: &'r Buffers<'r>,
     path: &'r Path,
     textures: Textures,
     /// Pictures that were read, by their index and use; none in place of one that cannot be read, which was a warning.
@@ -157,45 +248,9 @@ struct Reader<'r, 'o> {
     mesh: Mesh,
     left_out: u64,
     out: &'r mut Output<'o>,
-    progress: &'r Progress<'r>,
 }
 
 impl Reader<'_, '_> {
-    fn read_scene(&mut self, document: &Document) -> Result<()> {
-        let scene = document
-            .default_scene()
-            .or_else(|| document.scenes().next());
-        let roots: Vec<Node<'_>> = match scene {
-            Some(scene) => scene.nodes().collect(),
-            None => document.nodes().collect(),
-        };
-        let total = document.nodes().count().max(1);
-        // A node has one parent; a file that says otherwise is not walked in circles.
-        let mut seen = HashSet::new();
-        let mut open: Vec<(Node<'_>, DMat4)> = roots
-            .into_iter()
-            .map(|node| (node, DMat4::IDENTITY))
-            .collect();
-        while let Some((node, world_from_parent)) = open.pop() {
-            if !seen.insert(node.index()) {
-                continue;
-            }
-            self.progress.check()?;
-            self.progress.set(
-                0.2 + 0.8 * seen.len() as f32 / total as f32,
-                "reading meshes",
-            );
-            let columns = node.transform().matrix();
-            let local = DMat4::from_cols_array_2d(&columns.map(|column| column.map(f64::from)));
-            let world_from_node = world_from_parent * local;
-            for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-                self.read_primitive(&primitive, world_from_node)?;
-            }
-            open.extend(node.children().map(|child| (child, world_from_node)));
-        }
-        Ok(())
-    }
-
     fn read_primitive(&mut self, primitive: &Primitive<'_>, world_from_node: DMat4) -> Result<()> {
         let mode = primitive.mode();
         if matches!(mode, Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
@@ -212,8 +267,7 @@ impl Reader<'_, '_> {
                 )));
             }
         }
-        let reader =
-            primitive.reader(|buffer| self.buffers.get(buffer.index()).map(|data| &**data));
+        let reader = primitive.reader(|buffer| self.buffers.get(buffer.index()));
         let Some(positions) = reader.read_positions() else {
             self.out.warn(
                 "a primitive without positions that can be read is left out",
@@ -339,14 +393,8 @@ impl Reader<'_, '_> {
         world_from_node: DMat4,
     ) {
         let count = self.mesh.positions.len();
-        let normals = normals.into_iter().flatten();
-        let linear = Mat3::from_mat4(world_from_node.as_mat4());
-        let to_world = linear.inverse().transpose();
-        // A matrix that flattens has no inverse: those normals are for the host to find.
-        let transformed = normals.take(count - first).map(|normal| {
-            let normal = to_world * Vec3::from_array(normal);
-            normal.try_normalize().unwrap_or(Vec3::ZERO).to_array()
-        });
+        let normals = normals.into_iter().flatten().take(count - first);
+        let transformed = world_normals(normals, world_from_node);
         let mut transformed = transformed.peekable();
         if transformed.peek().is_some() || !self.mesh.normals.is_empty() {
             self.mesh.normals.resize(first, [0.0; 3]);

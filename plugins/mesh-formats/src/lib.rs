@@ -3,12 +3,15 @@
 
 mod columns;
 mod data_url;
+mod gltf_buffers;
+mod gltf_plain;
 mod gltf_scene;
 mod mtl;
 mod obj;
 mod off;
 mod stl;
 mod textured;
+mod weld;
 
 pub use gltf_scene::GltfLoader;
 pub use obj::ObjLoader;

@@ -6,22 +6,26 @@
 //! VisCAM and SolidView: bit 15 says that there is a colour, and blue is in the lowest bits. A vertex takes the mean of its facets'
 //! colours, in linear light and weighted by area.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-
 use pointstage_plugin_api::lines::{Line, Lines, number};
-use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
+use pointstage_plugin_api::loading::{
+    Claim, Column, FileStart, Loader, Output, SourceFile, bytes_of,
+};
+use pointstage_plugin_api::pieces::{Fault, Text, in_order};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 use pointstage_texels::{linear, linear_of};
 
 use crate::columns::Mesh;
+use crate::weld::Welder;
 
 /// Bytes before the facets of a binary file: a text, and their number.
 const HEADER: usize = 84;
 /// Bytes of a facet: a normal, three corners, and two bytes that every program uses as it likes.
 const FACET: usize = 50;
-/// Facets read between two looks at the cancel flag.
+/// Facets read by one thread at a time: the table of their vertices stays in its second-level cache.
 const FACETS_A_PIECE: usize = 1 << 14;
+
+/// Vertices that indices can name, with room for those of one more piece.
+const MOST_VERTICES: usize = (u32::MAX / 2) as usize;
 
 /// The loader of STL files.
 pub struct StlLoader;
@@ -59,84 +63,100 @@ impl Loader for StlLoader {
     }
 
     fn load(
-        _host: &Host,
+        host: &Host,
         file: &SourceFile<'_>,
         _settings: Settings<'_>,
         out: &mut Output<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
-        let mut welder = Welder::default();
-        if is_binary(file.bytes, file.bytes.len() as u64) || !is_text(file.bytes) {
-            read_binary(file.bytes, &mut welder, out, progress)?;
+        let whole = if is_binary(file.bytes, file.bytes.len() as u64) || !is_text(file.bytes) {
+            read_binary(file.bytes, host, out, progress)?
         } else {
-            read_text(file.bytes, &mut welder, progress)?;
-        }
-        if welder.mesh.positions.is_empty() {
+            read_text(file.bytes, host, progress)?
+        };
+        if whole.triangles.is_empty() {
             return Err(Error::failed(
                 "the file has no facets; there is nothing to show",
             ));
         }
-        welder.mesh.write(out, progress)
+        whole.write(out, progress)
     }
 }
 
-/// Makes one vertex of corners at one place.
-#[derive(Default)]
-struct Welder {
-    mesh: Mesh,
-    vertices: HashMap<[u32; 3], u32, BuildHasherDefault<PlaceHasher>>,
+/// Some facets, with the vertices that they share.
+struct Facets {
+    welder: Welder,
+    triangles: Vec<[u32; 3]>,
+    /// Colour of each facet, linear; empty while none has one, and missing at the end where the last have none.
+    colours: Vec<Option<[f32; 4]>>,
 }
 
-impl Welder {
-    fn add_facet(&mut self, corners: [[f32; 3]; 3]) {
-        for corner in corners {
-            // 0 and −0 are one place.
-            let place = corner.map(|value| (value + 0.0).to_bits());
-            let next = self.mesh.positions.len() as u32;
-            let positions = &mut self.mesh.positions;
-            let vertex = *self.vertices.entry(place).or_insert_with(|| {
-                positions.push(corner.map(f64::from));
-                next
-            });
-            self.mesh.corners.push(vertex);
-        }
-        self.mesh.lengths.push(3);
-    }
-}
-
-/// Hashes the bits of three floats: a multiplication and a rotation a word, as FxHash does.
-#[derive(Default)]
-struct PlaceHasher(u64);
-
-impl Hasher for PlaceHasher {
-    fn finish(&self) -> u64 {
-        // The table takes the upper bits for one thing and the lower for another: mix them.
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for chunk in bytes.chunks(4) {
-            let mut word = [0; 4];
-            word[..chunk.len()].copy_from_slice(chunk);
-            self.write_u32(u32::from_le_bytes(word));
+impl Facets {
+    /// Room for so many.
+    fn with_room(facets: usize) -> Self {
+        Self {
+            // Of a closed surface there are half as many vertices.
+            welder: Welder::new(facets / 2 + 1),
+            triangles: Vec::with_capacity(facets),
+            colours: Vec::new(),
         }
     }
 
-    fn write_u32(&mut self, word: u32) {
-        self.0 = (self.0.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
+    #[inline]
+    fn add(&mut self, corners: [[f32; 3]; 3]) {
+        let triangle = corners.map(|corner| self.welder.add(corner));
+        self.triangles.push(triangle);
     }
 
-    fn write_usize(&mut self, _length: usize) {
-        // All keys have one length.
+    /// Gives the last facet a colour.
+    fn colour_last(&mut self, colour: [f32; 4]) {
+        self.colours.resize(self.triangles.len() - 1, None);
+        self.colours.push(Some(colour));
+    }
+
+    /// Adds those that follow.
+    fn append(&mut self, piece: &Self) -> Result<()> {
+        let vertices = self.welder.add_all(&piece.welder);
+        if self.welder.len() > MOST_VERTICES {
+            return Err("the file has more vertices than an index can name; split it".into());
+        }
+        if !piece.colours.is_empty() {
+            self.colours.resize(self.triangles.len(), None);
+            self.colours.extend(&piece.colours);
+        }
+        let named = |corners: &[u32; 3]| corners.map(|corner| vertices[corner as usize]);
+        self.triangles.extend(piece.triangles.iter().map(named));
+        Ok(())
+    }
+
+    /// Hands everything over.
+    fn write(self, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<()> {
+        let positions = self.welder.into_positions();
+        if !self.colours.is_empty() {
+            let mut mesh = Mesh {
+                positions: positions.iter().map(|place| place.map(f64::from)).collect(),
+                lengths: vec![3; self.triangles.len()],
+                corners: self.triangles.into_flattened(),
+                ..Mesh::default()
+            };
+            mesh.take_face_colours(&self.colours);
+            return mesh.write(out, progress);
+        }
+        out.columns(&[Column::POSITION_F32], positions.len() as u64)?;
+        for run in positions.chunks(1 << 16) {
+            progress.check()?;
+            out.rows(run.len(), &[bytes_of(run)])?;
+        }
+        out.triangles(&self.triangles)
     }
 }
 
 fn read_binary(
     file: &[u8],
-    welder: &mut Welder,
+    host: &Host,
     out: &mut Output<'_>,
     progress: &Progress<'_>,
-) -> Result<()> {
+) -> Result<Facets> {
     let count = facet_count(file).ok_or_else(|| {
         Error::failed(format!(
             "expected {HEADER} bytes before the facets, found a file of {}; the file is truncated, copy it again",
@@ -154,36 +174,48 @@ fn read_binary(
     let (facets, _) = body.as_chunks::<FACET>();
     let facets = &facets[..count as usize];
     let convention = Convention::of(&file[..80]);
-    let mut colours = Vec::with_capacity(facets.len());
+    let mut whole = Facets::with_room(facets.len());
     let mut attributed = 0;
-    for (piece, some) in facets.chunks(FACETS_A_PIECE).enumerate() {
-        progress.check()?;
-        let done = (piece * FACETS_A_PIECE) as f64 / facets.len() as f64;
-        progress.set(done as f32, "reading facets");
-        for facet in some {
-            let value = |index: usize| {
-                let bytes = facet[12 + 4 * index..].first_chunk();
-                bytes.map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
-            };
-            let corner =
-                |index: usize| [value(3 * index), value(3 * index + 1), value(3 * index + 2)];
-            welder.add_facet([corner(0), corner(1), corner(2)]);
-            let word = u16::from_le_bytes([facet[48], facet[49]]);
-            let colour = convention.colour(word);
-            attributed += u64::from(word != 0 && colour.is_none());
-            colours.push(colour);
-        }
-    }
+    in_order(
+        host.thread_count(),
+        facets.chunks(FACETS_A_PIECE),
+        |some| read_facets(some, convention),
+        |some, (piece, count)| {
+            progress.check()?;
+            whole.append(&piece)?;
+            attributed += count;
+            let done = (whole.triangles.len() + some.len()) as f64 / facets.len() as f64;
+            progress.set(done as f32, "reading facets");
+            Ok(())
+        },
+    )?;
     let rest = body.len() as u64 - count * FACET as u64;
     out.warn("a byte behind the last facet is ignored", rest);
     out.warn(
         "a facet has attribute bytes that are no colour, as bit 15 is not set: they are left out",
         attributed,
     );
-    if colours.iter().any(Option::is_some) {
-        welder.mesh.take_face_colours(&colours);
+    Ok(whole)
+}
+
+/// Binary facets, and how many have attribute bytes that are no colour.
+fn read_facets(facets: &[[u8; FACET]], convention: Convention) -> (Facets, u64) {
+    let mut read = Facets::with_room(facets.len());
+    let mut attributed = 0;
+    for facet in facets {
+        let value = |index: usize| {
+            let bytes = facet[12 + 4 * index..].first_chunk();
+            bytes.map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
+        };
+        let corner = |index: usize| [value(3 * index), value(3 * index + 1), value(3 * index + 2)];
+        read.add([corner(0), corner(1), corner(2)]);
+        let word = u16::from_le_bytes([facet[48], facet[49]]);
+        match convention.colour(word) {
+            Some(colour) => read.colour_last(colour),
+            None => attributed += u64::from(word != 0),
+        }
     }
-    Ok(())
+    (read, attributed)
 }
 
 /// How the two bytes behind a facet are meant.
@@ -217,54 +249,82 @@ impl Convention {
     }
 }
 
-fn read_text(file: &[u8], welder: &mut Welder, progress: &Progress<'_>) -> Result<()> {
-    let fail = |line: &Line<'_>, expected: &str| {
-        Error::failed(format!(
-            "line {}: expected {expected}, found '{}'; the file is damaged or truncated, export it again",
-            line.number,
-            line.excerpt()
-        ))
-    };
-    let mut corners: Vec<[f32; 3]> = Vec::new();
-    let mut lines = Lines::new(file);
-    let mut last = Line {
+fn read_text(file: &[u8], host: &Host, progress: &Progress<'_>) -> Result<Facets> {
+    let text = Text::new(Lines::new(file), "reading facets").with_begin(|text, start| {
+        // However much space a file has, little of it is looked at.
+        let line = &text[start..text.len().min(start + 64)];
+        let word = line.trim_ascii_start().get(..5);
+        word.is_some_and(|word| word.eq_ignore_ascii_case(b"facet"))
+    });
+    let (mut whole, mut is_ended) = (Facets::with_room(0), false);
+    text.read(host, progress, read_text_piece, |(facets, ends)| {
+        is_ended = ends.unwrap_or(is_ended);
+        whole.append(&facets)
+    })?;
+    if is_ended {
+        return Ok(whole);
+    }
+    let last = Lines::new(file).filter(|line| line.words().next().is_some());
+    let last = last.last().unwrap_or(Line {
         number: 1,
         text: b"",
-    };
-    let mut is_ended = false;
-    while let Some(line) = lines.next() {
-        if line.number % (1 << 14) == 0 {
-            progress.check()?;
-            progress.set(lines.fraction(), "reading facets");
-        }
+    });
+    Err(Error::failed(format!(
+        "line {}: {}",
+        last.number,
+        not_stl(&last, "'endsolid' in the end")
+    )))
+}
+
+fn not_stl(line: &Line<'_>, expected: &str) -> String {
+    format!(
+        "expected {expected}, found '{}'; the file is damaged or truncated, export it again",
+        line.excerpt()
+    )
+}
+
+/// The facets of whole lines, and whether a solid ended in them, or else began.
+fn read_text_piece(lines: Lines<'_>) -> Result<(Facets, Option<bool>), Fault> {
+    let fail = |line: &Line<'_>, expected: &str| Fault::new(line, not_stl(line, expected));
+    let open = |line: &Line<'_>| fail(line, "'endloop' behind the vertices of a facet");
+    let mut facets = Facets::with_room(0);
+    let mut corners: Vec<[f32; 3]> = Vec::new();
+    let mut last = None;
+    let mut is_ended = None;
+    for line in lines {
         let mut words = line.words();
         let Some(word) = words.next() else { continue };
-        last = line;
-        match word.to_ascii_lowercase().as_slice() {
-            b"vertex" => {
-                let mut value = || words.next().and_then(number).map(|value| value as f32);
-                let (Some(x), Some(y), Some(z)) = (value(), value(), value()) else {
-                    return Err(fail(&line, "three numbers behind 'vertex'"));
-                };
-                corners.push([x, y, z]);
-            }
-            b"endloop" | b"endfacet" if !corners.is_empty() => {
+        let is = |name: &[u8]| word.eq_ignore_ascii_case(name);
+        if is(b"vertex") {
+            let mut value = || words.next().and_then(number).map(|value| value as f32);
+            let (Some(x), Some(y), Some(z)) = (value(), value(), value()) else {
+                return Err(fail(&line, "three numbers behind 'vertex'"));
+            };
+            corners.push([x, y, z]);
+        } else if is(b"endloop") || is(b"endfacet") {
+            if !corners.is_empty() {
                 let [a, b, c] = corners[..] else {
                     return Err(fail(&line, "three vertices before the end of a facet"));
                 };
-                welder.add_facet([a, b, c]);
+                facets.add([a, b, c]);
                 corners.clear();
             }
-            b"endsolid" => is_ended = true,
-            b"solid" => is_ended = false,
-            b"facet" | b"outer" | b"endloop" | b"endfacet" | b"color" => {}
-            _ => return Err(fail(&line, "'facet', 'vertex' or another word of STL")),
+        } else if is(b"facet") {
+            // A piece may end before it.
+            if let Some(last) = last.filter(|_| !corners.is_empty()) {
+                return Err(open(&last));
+            }
+        } else if is(b"endsolid") || is(b"solid") {
+            is_ended = Some(is(b"endsolid"));
+        } else if !is(b"outer") && !is(b"color") {
+            return Err(fail(&line, "'facet', 'vertex' or another word of STL"));
         }
+        last = Some(line);
     }
-    if !corners.is_empty() || !is_ended {
-        return Err(fail(&last, "'endsolid' in the end"));
+    match last.filter(|_| !corners.is_empty()) {
+        Some(last) => Err(open(&last)),
+        None => Ok((facets, is_ended)),
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -205,8 +205,13 @@ impl Columns {
 
     /// Hands over points: the values of each, one after the other.
     pub(crate) fn write(&self, out: &mut Output<'_>, values: &[f64]) -> Result<()> {
+        self.bytes(values).write(out)
+    }
+
+    /// Points as the host takes them: the values of each, one after the other.
+    pub(crate) fn bytes(&self, values: &[f64]) -> Bytes {
         let count = values.len() / self.width.max(1);
-        let columns: Vec<Vec<u8>> = self
+        let columns = self
             .groups
             .iter()
             .map(|group| {
@@ -219,8 +224,21 @@ impl Columns {
                 bytes
             })
             .collect();
-        let columns: Vec<&[u8]> = columns.iter().map(|bytes| bytes_of(bytes)).collect();
-        out.rows(count, &columns)
+        Bytes { count, columns }
+    }
+}
+
+/// Points as the host takes them.
+pub(crate) struct Bytes {
+    count: usize,
+    columns: Vec<Vec<u8>>,
+}
+
+impl Bytes {
+    /// Hands them over.
+    pub(crate) fn write(&self, out: &mut Output<'_>) -> Result<()> {
+        let columns: Vec<&[u8]> = self.columns.iter().map(|bytes| bytes_of(bytes)).collect();
+        out.rows(self.count, &columns)
     }
 }
 

@@ -1,14 +1,18 @@
 //! Points as text: XYZ, PTS and CSV. A point is a line of numbers, apart by spaces, tabs, commas or semicolons.
 
-use pointstage_plugin_api::lines::{Lines, number};
+use pointstage_plugin_api::lines::{Line, Lines};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
+use pointstage_plugin_api::pieces::{Fault, Text};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
-use crate::columns::{Columns, Value, run_of};
-use crate::xyz_columns::{LineKind, guess, kind_of, named, words};
+use crate::columns::{Bytes, Columns, Value};
+use crate::xyz_columns::{LineKind, guess, kind_of, named, read_numbers};
 
 /// Whole lines of points at a file's start that make it look like one of ours.
 const LINES_TO_CLAIM: usize = 3;
+
+/// Lines looked at between two looks at the cancel flag.
+const LINES_A_PIECE: u64 = 1 << 14;
 
 /// The loader of text files.
 pub struct XyzLoader;
@@ -47,7 +51,7 @@ impl Loader for XyzLoader {
     }
 
     fn load(
-        _host: &Host,
+        host: &Host,
         file: &SourceFile<'_>,
         settings: Settings<'_>,
         out: &mut Output<'_>,
@@ -65,47 +69,64 @@ impl Loader for XyzLoader {
             named(&option.split_whitespace().collect::<Vec<_>>())
         };
         let columns = Columns::new(&values)?;
-        read(file.bytes, &columns, values.len(), out, progress)
+        // A short line holds two bytes a value; a usual one some ten.
+        columns.declare(out, (file.bytes.len() / (10 * values.len())) as u64)?;
+        let first = first_point(file.bytes, values.len(), progress)?;
+        Text::new(first, "reading points").read(
+            host,
+            progress,
+            |lines| read(lines, &columns, values.len()),
+            |points| points.write(out),
+        )
     }
 }
 
-fn read(
-    file: &[u8],
-    columns: &Columns,
-    width: usize,
-    out: &mut Output<'_>,
-    progress: &Progress<'_>,
-) -> Result<()> {
-    // A short line holds two bytes a value; a usual one some ten.
-    columns.declare(out, (file.len() / (10 * width)) as u64)?;
-    let run = run_of(width);
-    let mut values = Vec::with_capacity(width * run.min(file.len() / (2 * width) + 1));
-    let (mut lines, mut has_points) = (Lines::new(file), false);
-    while let Some(line) = lines.next() {
-        let before = values.len();
-        values.extend(words(line.text).map_while(number));
-        if values.len() - before != width {
-            let found = values.len() - before;
-            values.truncate(before);
-            // Comments, headings, and counts before the points of each scan.
-            match kind_of(&line) {
-                LineKind::Empty | LineKind::Count | LineKind::Heading(_) => continue,
-                LineKind::Other if !has_points => continue,
-                LineKind::Numbers(_) | LineKind::Other => {}
-            }
-            return Err(Error::failed(format!(
-                "line {}: expected {width} numbers as in the lines before, found {found} in '{}'; correct that line, or export the file again",
-                line.number,
-                line.excerpt()
-            )));
-        }
-        has_points = true;
-        if values.len() == run * width {
+/// The lines from the first point on, behind anything but other numbers.
+fn first_point<'f>(file: &'f [u8], width: usize, progress: &Progress<'_>) -> Result<Lines<'f>> {
+    let mut values = Vec::new();
+    let mut lines = Lines::new(file);
+    loop {
+        let from_here = lines.clone();
+        let Some(line) = lines.next() else {
+            return Ok(lines);
+        };
+        if line.number.is_multiple_of(LINES_A_PIECE) {
             progress.check()?;
-            progress.set(lines.fraction(), "reading points");
-            columns.write(out, &values)?;
-            values.clear();
+        }
+        values.clear();
+        read_numbers(line.text, &mut values);
+        if values.len() == width {
+            return Ok(from_here);
+        }
+        if let LineKind::Numbers(_) = kind_of(&line) {
+            let (number, message) = (line.number, other_width(&line, width, values.len()));
+            return Err(Error::failed(format!("line {number}: {message}")));
         }
     }
-    columns.write(out, &values)
+}
+
+/// The points of some lines.
+fn read(lines: Lines<'_>, columns: &Columns, width: usize) -> Result<Bytes, Fault> {
+    let mut values = Vec::new();
+    for line in lines {
+        let before = values.len();
+        read_numbers(line.text, &mut values);
+        let found = values.len() - before;
+        if found == width {
+            continue;
+        }
+        values.truncate(before);
+        // Comments, and counts and headings before the points of each scan.
+        if let LineKind::Numbers(_) | LineKind::Other = kind_of(&line) {
+            return Err(Fault::new(&line, other_width(&line, width, found)));
+        }
+    }
+    Ok(columns.bytes(&values))
+}
+
+fn other_width(line: &Line<'_>, width: usize, found: usize) -> String {
+    format!(
+        "expected {width} numbers as in the lines before, found {found} in '{}'; correct that line, or export the file again",
+        line.excerpt()
+    )
 }

@@ -1,6 +1,6 @@
 //! Which column of a text file is what: by the option, by a heading, or by the numbers.
 
-use pointstage_plugin_api::lines::{Line, Lines, number};
+use pointstage_plugin_api::lines::{Line, Lines, number, scan_f64};
 
 use crate::columns::{Kept, Value};
 
@@ -8,8 +8,35 @@ use crate::columns::{Kept, Value};
 const LINES_LOOKED_AT: usize = 200;
 
 /// What may stand between two values.
+fn is_between(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b',' | b';' | 0x0b | 0x0c)
+}
+
+/// The numbers at the start of a line, up to the first word that is none.
+pub(crate) fn read_numbers(text: &[u8], numbers: &mut Vec<f64>) {
+    let mut rest = text;
+    loop {
+        while let [first, behind @ ..] = rest
+            && is_between(*first)
+        {
+            rest = behind;
+        }
+        // What nearly every number looks like need not be cut out first.
+        let behind = scan_f64(rest).map(|(number, length)| (number, &rest[length..]));
+        match behind.filter(|(_, behind)| behind.first().is_none_or(|byte| is_between(*byte))) {
+            Some((number, behind)) => {
+                numbers.push(number);
+                rest = behind;
+            }
+            None => break,
+        }
+    }
+    numbers.extend(words(rest).map_while(number));
+}
+
+/// What stands between blanks, commas and semicolons, without quotes.
 pub(crate) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
-    text.split(|byte| matches!(byte, b' ' | b'\t' | b',' | b';' | 0x0b | 0x0c))
+    text.split(|byte| is_between(*byte))
         .filter(|word| !word.is_empty())
         .map(|word| word.strip_prefix(b"\"").unwrap_or(word))
         .map(|word| word.strip_suffix(b"\"").unwrap_or(word))

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use pointstage_texels::PictureFile;
+use rayon::prelude::*;
 
 use super::LoadOptions;
 use super::assemble::{
@@ -150,8 +151,13 @@ pub struct ObjectBuilder {
     pictures: Vec<PictureFile>,
     /// Of the first polygons.
     textures: FaceData,
+    /// What came first, if it was triangles; where nothing else comes, they need not be copied again.
+    first_triangles: Option<Arc<[[u32; 3]]>>,
     warnings: Warnings,
 }
+
+/// Triangles whose corners are compared at once.
+const TRIANGLES_A_PIECE: usize = 1 << 14;
 
 impl ObjectBuilder {
     /// A builder of an object with these columns.
@@ -195,6 +201,7 @@ impl ObjectBuilder {
             corners: Vec::new(),
             pictures: Vec::new(),
             textures: FaceData::default(),
+            first_triangles: None,
             warnings: Warnings::new(),
         })
     }
@@ -251,10 +258,25 @@ impl ObjectBuilder {
 
     /// Adds triangles, of surfels counted from 0. What names none is dropped and counted in the end.
     pub fn add_triangles(&mut self, triangles: &[[u32; 3]]) {
+        if triangles.is_empty() {
+            return;
+        }
+        if self.corners.is_empty() && self.lengths.is_none() && self.first_triangles.is_none() {
+            self.first_triangles = Some(triangles.into());
+            return;
+        }
+        self.spill_first_triangles();
         if let Some(lengths) = &mut self.lengths {
             lengths.resize(lengths.len() + triangles.len(), 3);
         }
         self.corners.extend_from_slice(triangles.as_flattened());
+    }
+
+    /// Puts the first triangles with those that follow.
+    fn spill_first_triangles(&mut self) {
+        if let Some(first) = self.first_triangles.take() {
+            self.corners.extend_from_slice(first.as_flattened());
+        }
     }
 
     /// Adds polygons: the corners of each, one after the other. They are cut into triangles in the end.
@@ -269,6 +291,7 @@ impl ObjectBuilder {
                 found: corners.len() as u64,
             });
         }
+        self.spill_first_triangles();
         if self.lengths.is_none() && lengths.iter().any(|length| *length != 3) {
             self.lengths = Some(vec![3; self.corners.len() / 3]);
         }
@@ -301,6 +324,7 @@ impl ObjectBuilder {
         uvs: &[[f32; 2]],
     ) -> Result<(), BuildError> {
         let problem = |problem: String| Err(BuildError::Textures { problem });
+        self.spill_first_triangles();
         let first = self.textures.pictures.len();
         let polygons = first..first + pictures.len();
         let corners = match &self.lengths {
@@ -371,6 +395,9 @@ impl ObjectBuilder {
 
     fn take_faces(&mut self) -> Vec<Corners> {
         let corners = std::mem::take(&mut self.corners);
+        if let Some(triangles) = self.first_triangles.take() {
+            return vec![Corners::Triangles(counted(triangles))];
+        }
         if corners.is_empty() {
             return Vec::new();
         }
@@ -380,16 +407,8 @@ impl ObjectBuilder {
             lengths = lengths.or_else(|| Some(vec![3; corners.len() / 3]));
         }
         let Some(lengths) = lengths else {
-            let triangles: Arc<[[u32; 3]]> = corners.as_chunks::<3>().0.into();
-            let degenerate = triangles
-                .iter()
-                .filter(|[a, b, c]| a == b || b == c || a == c);
-            let triangles = Triangles {
-                max_corner: corners.iter().copied().max().unwrap_or_default(),
-                degenerate_count: degenerate.count() as u64,
-                corners: triangles,
-            };
-            return vec![Corners::Triangles(triangles)];
+            let triangles = corners.as_chunks::<3>().0.into();
+            return vec![Corners::Triangles(counted(triangles))];
         };
         vec![Corners::Lists(CornerLists {
             kind: FaceKind::Polygons,
@@ -429,6 +448,30 @@ fn add_named(spec: &ColumnSpec, values: Gathered, built: &mut Built) {
             components: spec.components,
             bytes: Arc::new(bytes),
         });
+    }
+}
+
+/// Triangles with what is known of all of them.
+fn counted(corners: Arc<[[u32; 3]]>) -> Triangles {
+    let pieces = corners.par_chunks(TRIANGLES_A_PIECE).map(|piece| {
+        piece
+            .iter()
+            .fold((0, 0), |(largest, degenerate), &[a, b, c]| {
+                let is_degenerate = a == b || b == c || a == c;
+                (
+                    a.max(b).max(c).max(largest),
+                    degenerate + u64::from(is_degenerate),
+                )
+            })
+    });
+    let (max_corner, degenerate_count) = pieces.reduce(
+        || (0, 0),
+        |(max_a, count_a): (u32, u64), (max_b, count_b)| (max_a.max(max_b), count_a + count_b),
+    );
+    Triangles {
+        corners,
+        max_corner,
+        degenerate_count,
     }
 }
 

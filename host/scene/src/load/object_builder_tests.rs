@@ -161,3 +161,30 @@ fn pictures_are_of_the_polygons_that_came_first() {
     assert_eq!(textures.pictures[0].extension(), "png");
     assert!(geometry.byte_count() > 4 * 16 + 4 * 12 + 4 * 28);
 }
+
+#[test]
+fn triangles_alone_keep_their_order_and_bad_ones_are_counted() {
+    for parts in [1, 2] {
+        let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
+        let places: Vec<[f64; 3]> = (0..40_000).map(|x| [f64::from(x), 0.0, 1.0]).collect();
+        builder
+            .add_rows(places.len(), &[cast_slice(&places)])
+            .expect("of the right length");
+        let mut triangles: Vec<[u32; 3]> = (2..40_000).map(|x| [x, x - 1, x - 2]).collect();
+        triangles.extend([[0, 1, 40_000], [5, 6, 5]]);
+        for part in triangles.chunks(triangles.len().div_ceil(parts)) {
+            builder.add_triangles(part);
+        }
+        let contents = builder
+            .finish(&file_only(), &Job::new())
+            .expect("an object");
+        let found = contents.geometry.triangles.expect("a mesh");
+        assert_eq!(*found, triangles[..39_998], "in {parts} parts");
+        for kind in [
+            WarningKind::FacesOutOfRangeDropped,
+            WarningKind::DegenerateFacesDropped,
+        ] {
+            assert_eq!(contents.warnings.count(&kind), 1, "in {parts} parts");
+        }
+    }
+}
