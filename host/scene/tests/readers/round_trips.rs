@@ -167,6 +167,15 @@ fn positions() -> impl Strategy<Value = Vec<[f32; 3]>> {
     })
 }
 
+/// Where these positions are once 64 bits have held them together with an origin: far from 0 they hold less of a small number.
+fn kept_at(origin: DVec3, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let kept = |position: &[f32; 3]| {
+        let world = origin + Vec3::from_array(*position).as_dvec3();
+        (world - origin).as_vec3().to_array()
+    };
+    positions.iter().map(kept).collect()
+}
+
 /// With axes there are always normals and radii: they would follow from them.
 fn columns() -> impl Strategy<Value = [bool; 4]> {
     any::<[bool; 4]>()
@@ -193,6 +202,7 @@ proptest! {
         let triangles = with_triangles.then(|| vec![[0, 1, 2], [2, 1, last]]);
         // What a reader finds for such a box there.
         let origin = if is_far { DVec3::new(500_000.0, 0.0, -1024.0) } else { DVec3::ZERO };
+        let positions = kept_at(origin, &positions);
         let object = made_up(&positions, has, origin, columns.collect(), triangles, seed);
         for encoding in [PlyEncoding::LittleEndian, PlyEncoding::BigEndian, PlyEncoding::Ascii] {
             if encoding == PlyEncoding::Ascii && has_nan(&object) {
@@ -250,6 +260,7 @@ proptest! {
             });
         }
         let origin = if is_far { DVec3::new(500_000.0, 0.0, -1024.0) } else { DVec3::ZERO };
+        let positions = kept_at(origin, &positions);
         let object = made_up(&positions, has, origin, columns, None, seed);
         let (bytes, warnings) = as_sfl(&object);
         prop_assert!(warnings.is_empty(), "{warnings:?}");
