@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3, Vec4};
 use pointstage_plugin_api::abi::FrameUniform;
 use pointstage_plugin_api::columns::{TangentAxes, encode_colour, encode_normal};
 use pointstage_plugin_api::twin::camera::Camera as TwinCamera;
-use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Projection, Provenance};
+use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Projection};
 
 /// Random numbers from a fixed seed (splitmix64).
 #[derive(Debug)]
@@ -61,14 +61,8 @@ pub fn coloured(name: &str, surfels: &[Surfel], colour: impl FnMut(&Surfel) -> V
         axes: axes.map(Into::into),
         named: Vec::new(),
     };
-    let given = Provenance::FromFile;
-    let origins = Origins {
-        normals: given,
-        radii: given,
-        colours: given,
-        axes: given,
-    };
-    Object::new(name, DVec3::ZERO, Geometry::new(vec![block], None, origins))
+    let geometry = Geometry::new(vec![block], None, Origins::FROM_FILE);
+    Object::new(name, DVec3::ZERO, geometry)
 }
 
 /// The same as [`object`] with triangles over the surfels.

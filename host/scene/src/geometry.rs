@@ -109,6 +109,16 @@ pub struct Origins {
     pub axes: Provenance,
 }
 
+impl Origins {
+    /// Of columns that are all in the file.
+    pub const FROM_FILE: Self = Self {
+        normals: Provenance::FromFile,
+        radii: Provenance::FromFile,
+        colours: Provenance::FromFile,
+        axes: Provenance::FromFile,
+    };
+}
+
 impl ScalarType {
     /// Bytes of one value.
     pub const fn size(self) -> usize {

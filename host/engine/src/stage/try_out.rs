@@ -3,7 +3,7 @@
 use super::{FrameRequest, Stage, StageError, StageOptions};
 use glam::{DVec3, Vec3, Vec4};
 use pointstage_plugin_api::columns;
-use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Provenance, Scene};
+use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Scene};
 use std::sync::Arc;
 
 /// How a try-out ended.
@@ -90,19 +90,12 @@ fn sample_scene() -> Scene {
         axes: Some(normals.iter().map(axes).collect()),
         named: Vec::new(),
     };
-    let given = Provenance::FromFile;
-    let origins = Origins {
-        normals: given,
-        radii: given,
-        colours: given,
-        axes: given,
-    };
     let triangles = Arc::from(vec![[0, 1, 2], [3, 4, 5]]);
     let mut scene = Scene::new();
     scene.add(Object::new(
         "sample",
         DVec3::ZERO,
-        Geometry::new(vec![block], Some(triangles), origins),
+        Geometry::new(vec![block], Some(triangles), Origins::FROM_FILE),
     ));
     scene
 }

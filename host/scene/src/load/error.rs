@@ -157,14 +157,3 @@ impl fmt::Display for Place {
         }
     }
 }
-
-/// Bytes of a file for a message: at most 40, escaped.
-pub(in crate::load) fn excerpt(bytes: &[u8]) -> String {
-    const MOST: usize = 40;
-    let shown = bytes[..bytes.len().min(MOST)].escape_ascii().to_string();
-    if bytes.len() > MOST {
-        shown + "…"
-    } else {
-        shown
-    }
-}

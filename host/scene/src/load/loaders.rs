@@ -4,9 +4,10 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
+use pointstage_plugin_api::lines::excerpt;
 use pointstage_plugin_api::nearest::{did_you_mean, nearest_names};
 
-use super::error::{LoadError, excerpt};
+use super::error::LoadError;
 use super::loader::{Claim, FileStart, Loader, LoaderInfo, START_BYTES, SourceFile};
 use super::not_read::not_read;
 use super::ply::PlyLoader;

@@ -106,6 +106,16 @@ pub enum Winding {
     Flipped,
 }
 
+impl Winding {
+    /// What normals of the file are multiplied by: 1 or −1.
+    pub(crate) const fn sign(self) -> f64 {
+        match self {
+            Self::AsInFile => 1.0,
+            Self::Flipped => -1.0,
+        }
+    }
+}
+
 /// What came out of a file.
 #[derive(Clone, Debug)]
 pub struct Loaded {

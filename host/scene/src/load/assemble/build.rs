@@ -161,7 +161,7 @@ fn add_axes(
             }
         }
         if roles.normal.is_none() {
-            let sign = sign_of(winding) as f32;
+            let sign = winding.sign() as f32;
             let normal = |axes: &[f32; 8]| {
                 encode_normal(TangentAxes(*axes).u().cross(TangentAxes(*axes).v()) * sign)
             };
@@ -174,14 +174,6 @@ fn add_axes(
         origins.radii = Provenance::FromFile;
     }
     Ok(())
-}
-
-/// What normals are multiplied by.
-fn sign_of(winding: Winding) -> f64 {
-    match winding {
-        Winding::AsInFile => 1.0,
-        Winding::Flipped => -1.0,
-    }
 }
 
 fn add_normals(
@@ -197,7 +189,7 @@ fn add_normals(
         return Ok(());
     };
     let fields = normal.map(Some);
-    let sign = sign_of(winding);
+    let sign = winding.sign();
     let convert = |range: Range<usize>, slots: &mut [u32]| {
         let piece = Piece::read(&fields, rows, &range);
         let [xs, ys, zs] = &piece.values;

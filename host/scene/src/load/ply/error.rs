@@ -1,6 +1,8 @@
 //! What can be wrong with a PLY file.
 
-pub(super) use crate::load::error::{Place, excerpt};
+pub(super) use pointstage_plugin_api::lines::excerpt;
+
+pub(super) use crate::load::error::Place;
 
 /// A PLY file that cannot be read. Each message says where, what was expected, what was found, and what to do.
 ///

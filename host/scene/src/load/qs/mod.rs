@@ -14,12 +14,13 @@ mod tree;
 
 use glam::DVec3;
 use pointstage_plugin_api::columns::{colour_from_bytes, encode_normal};
+use pointstage_plugin_api::lines::excerpt;
 
 pub use error::QsError;
 
 use super::assemble::{Built, FileFaces, finish, origin_for};
 use super::columns::Columns;
-use super::error::{LoadStop, excerpt};
+use super::error::LoadStop;
 use super::loader::{Claim, Contents, FileStart, Loader, LoaderInfo, SourceFile};
 use super::source::Source;
 use super::{LoadOptions, Winding};
@@ -144,10 +145,7 @@ fn read(file: &Source, options: &LoadOptions, job: &Job) -> Result<Contents, Loa
     let mut columns = Columns::default();
     let mut bounds = Bounds::EMPTY;
     let mut without_radius = 0;
-    let sign = match options.winding {
-        Winding::AsInFile => 1.0,
-        Winding::Flipped => -1.0,
-    };
+    let sign = options.winding.sign();
     let any_colours = models.iter().any(|model| model.has_colours);
     for model in &models {
         let before = columns.position_radius.len();

@@ -239,10 +239,7 @@ fn add_normals(
     if !rows.have(Property::NORMAL) && !rows.have(Property::AXES) {
         return Ok(());
     }
-    let sign = match winding {
-        Winding::AsInFile => 1.0,
-        Winding::Flipped => -1.0,
-    };
+    let sign = winding.sign();
     let convert = |range: Range<usize>, slots: &mut [u32]| {
         let mut useless = 0;
         rows.each(range, |index, part, record| {

@@ -215,10 +215,7 @@ fn build(
         .collect();
     let mut origins = Origins::default();
     if let Some(normals) = normals {
-        let sign = match winding {
-            Winding::AsInFile => 1.0,
-            Winding::Flipped => -1.0,
-        };
+        let sign = winding.sign();
         let mut useless = 0;
         let packed = normals.into_iter().map(|normal| {
             let normal = normal.normalize_or_zero();

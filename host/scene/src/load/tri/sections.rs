@@ -1,11 +1,12 @@
 //! Sections of a TRI file: heads with a name, and rows of numbers under them.
 
 use memchr::memchr2;
+use pointstage_plugin_api::lines::excerpt;
 
 use super::error::TriError;
 use crate::job::Job;
 use crate::load::assemble::MAX_COORDINATE;
-use crate::load::error::{LoadStop, excerpt};
+use crate::load::error::LoadStop;
 use crate::load::ply::number::parse_f64;
 
 /// Rows read between two looks at the cancel flag.
