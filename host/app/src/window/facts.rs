@@ -1,6 +1,7 @@
 //! All that is known of a surfel and of a pixel, as text.
 
 use glam::{DVec3, Vec3};
+use pointstage_engine::frame::legend::without_trailing_zeros;
 use pointstage_engine::stage::{FrameResult, IdSource, Identified, Plane};
 use pointstage_plugin_api::columns::decode_colour;
 use pointstage_scene::{Block, Object, Scene};
@@ -160,11 +161,7 @@ fn number(value: f64) -> String {
         1
     };
     let text = format!("{value:.*}", 7_usize.saturating_sub(before_point));
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    without_trailing_zeros(&text).to_owned()
 }
 
 #[cfg(test)]

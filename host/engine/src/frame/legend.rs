@@ -125,11 +125,15 @@ fn number_label(value: f32) -> String {
         return format!("{value:.3e}");
     }
     let decimals = (3.0 - magnitude).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_trailing_zeros(&format!("{value:.decimals$}")).to_owned()
+}
+
+/// A decimal number without zeros at the end of its fraction.
+pub fn without_trailing_zeros(number: &str) -> &str {
+    if number.contains('.') {
+        number.trim_end_matches('0').trim_end_matches('.')
     } else {
-        text
+        number
     }
 }
 

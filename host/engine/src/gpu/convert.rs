@@ -140,17 +140,19 @@ fn check_bits(what: &str, bits: u32, known: u32) -> Result<(), GpuError> {
     }
 }
 
+/// What a buffer may be used for: the border's word and wgpu's.
+const BUFFER_USAGES: [(abi::BufferUsage, wgpu::BufferUsages); 7] = [
+    (abi::BufferUsage::VERTEX, wgpu::BufferUsages::VERTEX),
+    (abi::BufferUsage::INDEX, wgpu::BufferUsages::INDEX),
+    (abi::BufferUsage::UNIFORM, wgpu::BufferUsages::UNIFORM),
+    (abi::BufferUsage::STORAGE, wgpu::BufferUsages::STORAGE),
+    (abi::BufferUsage::INDIRECT, wgpu::BufferUsages::INDIRECT),
+    (abi::BufferUsage::COPY_SRC, wgpu::BufferUsages::COPY_SRC),
+    (abi::BufferUsage::COPY_DST, wgpu::BufferUsages::COPY_DST),
+];
+
 pub(super) fn buffer_usage(value: abi::BufferUsage) -> Result<wgpu::BufferUsages, GpuError> {
-    use abi::BufferUsage as U;
-    let pairs = [
-        (U::VERTEX, wgpu::BufferUsages::VERTEX),
-        (U::INDEX, wgpu::BufferUsages::INDEX),
-        (U::UNIFORM, wgpu::BufferUsages::UNIFORM),
-        (U::STORAGE, wgpu::BufferUsages::STORAGE),
-        (U::INDIRECT, wgpu::BufferUsages::INDIRECT),
-        (U::COPY_SRC, wgpu::BufferUsages::COPY_SRC),
-        (U::COPY_DST, wgpu::BufferUsages::COPY_DST),
-    ];
+    let pairs = BUFFER_USAGES;
     check_bits(
         "buffer usage",
         value.0,
@@ -165,19 +167,10 @@ pub(super) fn buffer_usage(value: abi::BufferUsage) -> Result<wgpu::BufferUsages
 
 /// The same backwards, for imported buffers; what the border has no word for is left out.
 pub(super) fn buffer_usage_from_wgpu(value: wgpu::BufferUsages) -> abi::BufferUsage {
-    use abi::BufferUsage as U;
-    [
-        (U::VERTEX, wgpu::BufferUsages::VERTEX),
-        (U::INDEX, wgpu::BufferUsages::INDEX),
-        (U::UNIFORM, wgpu::BufferUsages::UNIFORM),
-        (U::STORAGE, wgpu::BufferUsages::STORAGE),
-        (U::INDIRECT, wgpu::BufferUsages::INDIRECT),
-        (U::COPY_SRC, wgpu::BufferUsages::COPY_SRC),
-        (U::COPY_DST, wgpu::BufferUsages::COPY_DST),
-    ]
-    .into_iter()
-    .filter(|(_, usage)| value.contains(*usage))
-    .fold(U::NONE, |usages, (usage, _)| usages | usage)
+    BUFFER_USAGES
+        .into_iter()
+        .filter(|(_, usage)| value.contains(*usage))
+        .fold(abi::BufferUsage::NONE, |usages, (usage, _)| usages | usage)
 }
 
 pub(super) fn texture_usage(value: abi::TextureUsage) -> Result<wgpu::TextureUsages, GpuError> {
