@@ -11,7 +11,7 @@ mod views;
 
 pub(crate) use checked::{lights, material, positive, transform, view};
 pub(crate) use flaw::Flaw;
-pub(crate) use look::{Look, show_from_key, show_key};
+pub(crate) use look::{DEFAULT_BACKGROUND, Look, show_from_key, show_key};
 pub(crate) use mark_runs::MarkRuns;
 pub(crate) use views::{NumberOrigin, StoredView};
 

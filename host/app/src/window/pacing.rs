@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::preferences;
+
 /// The fastest rate that a limit or a target may name, pictures a second.
 pub(crate) const FASTEST_RATE: u32 = 60;
 
@@ -19,11 +21,7 @@ pub(crate) struct Pacing {
 
 impl Default for Pacing {
     fn default() -> Self {
-        Self {
-            rate_limit: None,
-            target_rate: None,
-            cross_fade: true,
-        }
+        preferences::Pacing::default().into()
     }
 }
 

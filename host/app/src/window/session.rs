@@ -14,6 +14,7 @@ use super::presets::{ActivePresets, Presets};
 use super::several::Several;
 use super::views::StoredViews;
 use crate::camera_path::MotionPath;
+use crate::toml_form::Look;
 
 /// All that a picture depends on, and what the user chose for renderers that are not chosen now.
 #[derive(Clone, Debug)]
@@ -80,18 +81,9 @@ pub(crate) struct ViewOptions {
     pub(crate) radius_scale: f32,
 }
 
-/// Dark above, darker below: both light and dark scans stand out. sRGB.
-pub(crate) const DEFAULT_BACKGROUND: Background =
-    Background::Gradient([0.30, 0.33, 0.37], [0.09, 0.10, 0.12]);
-
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self {
-            show: Show::Colours,
-            background: DEFAULT_BACKGROUND,
-            exposure: 1.0,
-            radius_scale: 1.0,
-        }
+        Look::default().into()
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) fn check(arguments: &BenchArguments, report: &Report) -> Outcome {
             lanes
                 .filter(|lane| lane.unsuitable.is_none())
                 .map(move |lane| Found {
-                    of: format!("{} on {}", lane.label, scene.name),
+                    of: format!("{} on {}", lane.who.label, scene.name),
                     value: value(lane, quantity),
                 })
         });

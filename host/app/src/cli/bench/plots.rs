@@ -25,7 +25,7 @@ pub(super) fn all(report: &Report) -> Vec<(String, String)> {
         let bars = bars.filter_map(|(index, lane)| {
             let times = lane.times.as_ref()?;
             Some(Bar {
-                name: lane.label.clone(),
+                name: lane.who.label.clone(),
                 colour: colour(index),
                 value: times.frame_ms.median,
                 reach: Some(times.frame_ms.p99),

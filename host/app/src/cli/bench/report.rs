@@ -1,7 +1,6 @@
 //! `bench.json`. Its form is documented in `docs/user-guide/measuring-speed.md`; what is there keeps its name and meaning
 //! within one [`FORMAT`].
 
-use pointstage_engine::stage::SettingValues;
 use serde::Serialize;
 
 use super::lane::{Lane, Memory};
@@ -9,6 +8,7 @@ use super::{BenchArguments, Stand};
 use crate::cli::Outcome;
 use crate::cli::measuring::made_by::MadeBy;
 use crate::cli::measuring::times::{Spread, Times};
+use crate::cli::measuring::who::Who;
 use crate::output::record::background_text;
 
 /// Version of the form.
@@ -44,12 +44,8 @@ pub(super) struct SceneReport {
 /// One renderer on one scene.
 #[derive(Debug, Serialize)]
 pub(super) struct LaneReport {
-    pub(super) label: String,
-    id: String,
-    version: String,
-    hash: Option<String>,
-    settings: SettingValues,
-    all_settings: SettingValues,
+    #[serde(flatten)]
+    pub(super) who: Who,
     /// Why it cannot draw the scene; the rest is `null` then.
     pub(super) unsuitable: Option<String>,
     pub(super) times: Option<Times>,
@@ -151,7 +147,7 @@ impl Report {
     pub(super) fn labels(&self) -> Vec<&str> {
         let first = self.scenes.first();
         let lanes = first.into_iter().flat_map(|scene| &scene.renderers);
-        lanes.map(|lane| &*lane.label).collect()
+        lanes.map(|lane| &*lane.who.label).collect()
     }
 }
 
@@ -160,14 +156,8 @@ impl LaneReport {
         let times = Times::of(&lane.costs);
         let median = times.map(|times| times.frame_ms.median);
         let frames_per_second = median.map(|ms| 1000.0 / ms);
-        let entry = lane.entry;
         Ok(Self {
-            label: entry.label.clone(),
-            id: entry.id.clone(),
-            version: entry.version.clone(),
-            hash: entry.hash.clone(),
-            settings: entry.settings.clone(),
-            all_settings: entry.all_settings()?,
+            who: Who::of(lane.entry)?,
             unsuitable: lane.unsuitable.clone(),
             times,
             frames_per_second,

@@ -25,7 +25,7 @@ fn row(scene: &SceneReport, lane: &LaneReport) -> Vec<String> {
     let memory = lane.memory.as_ref().map(MemoryReport::peak_bytes);
     vec![
         scene.name.clone(),
-        lane.label.clone(),
+        lane.who.label.clone(),
         rate(lane.frames_per_second),
         splats(lane.splats_per_second),
         millis(times.map(|times| times.frame_ms.median)),
@@ -101,7 +101,7 @@ fn reasons(report: &Report) -> String {
                 let _ = writeln!(
                     text,
                     "{} does not draw {}: {reason}",
-                    lane.label, scene.name
+                    lane.who.label, scene.name
                 );
             }
         }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use pointstage_engine::metrics::Measures;
-use pointstage_engine::stage::{SettingValues, Stage};
+use pointstage_engine::stage::Stage;
 use pointstage_scene::ViewRecord;
 use serde::Serialize;
 
@@ -12,9 +12,9 @@ use super::reference::Reference;
 use super::view::Comparison;
 use crate::cli::Outcome;
 use crate::cli::drawing::Cost;
-use crate::cli::measuring::entries::Entry;
 use crate::cli::measuring::made_by::MadeBy;
 use crate::cli::measuring::times::Times;
+use crate::cli::measuring::who::Who;
 use crate::output::record::background_text;
 
 /// Version of the form.
@@ -73,20 +73,6 @@ impl MeasuredBy {
             },
         })
     }
-}
-
-/// A renderer with settings.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Who {
-    pub(super) label: String,
-    pub(super) id: String,
-    pub(super) version: String,
-    /// Content hash of the library; none for the built-in renderer.
-    pub(super) hash: Option<String>,
-    /// The values that were given.
-    pub(super) settings: SettingValues,
-    /// The values of all settings.
-    pub(super) all_settings: SettingValues,
 }
 
 /// One view.
@@ -239,19 +225,6 @@ impl Report {
     /// As JSON.
     pub(crate) fn json(&self) -> Outcome<String> {
         Ok(serde_json::to_string_pretty(self)?)
-    }
-}
-
-impl Who {
-    fn of(entry: &Entry) -> Outcome<Self> {
-        Ok(Self {
-            label: entry.label.clone(),
-            id: entry.id.clone(),
-            version: entry.version.clone(),
-            hash: entry.hash.clone(),
-            settings: entry.settings.clone(),
-            all_settings: entry.all_settings()?,
-        })
     }
 }
 

@@ -7,10 +7,11 @@ use pointstage_engine::stage::Background;
 use super::camera::{CameraTab, camera_ui};
 use super::pacing::pacing_ui;
 use super::view_list::view_list_ui;
+use crate::toml_form::DEFAULT_BACKGROUND;
 use crate::window::intent::{Intents, ViewIntent};
 use crate::window::menu::show_choices_ui;
 use crate::window::pacing::Pacing;
-use crate::window::session::{DEFAULT_BACKGROUND, ViewOptions};
+use crate::window::session::ViewOptions;
 use crate::window::views::StoredViews;
 
 /// The first colour of a background of one colour.

@@ -1,7 +1,8 @@
 //! How it was made: the command, the machine, the plugins, the settings and the views, so that it can be made again.
 
 use super::html::{self, Table};
-use crate::cli::compare::report::{MeasuredBy, Report, Who};
+use crate::cli::compare::report::{MeasuredBy, Report};
+use crate::cli::measuring::who::Who;
 
 /// The section.
 pub(super) fn section(report: &Report, pictures: &str) -> String {
