@@ -3,20 +3,13 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
 
-use super::app_tests::{SQUARE, type_path, wait_until, window};
+use super::app_tests::{wait_until, window, window_with_square};
 
 #[test]
 fn ctrl_s_saves_what_is_shown_and_says_where() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let scene = folder.path().join("square.ply");
-    std::fs::write(&scene, SQUARE).expect("written");
     let image = folder.path().join("saved.png");
-    let mut harness = window();
-    harness.run_steps(2);
-    type_path(&mut harness, &scene);
-    wait_until(&mut harness, |harness| {
-        harness.query_by_label("4 surfels, 4 drawn").is_some()
-    });
+    let mut harness = window_with_square(folder.path());
     for round in ["first", "again"] {
         harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
         harness.run_steps(3);
@@ -60,14 +53,7 @@ fn ctrl_s_saves_what_is_shown_and_says_where() {
 #[test]
 fn an_image_that_cannot_be_written_is_an_error_with_its_path() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let scene = folder.path().join("square.ply");
-    std::fs::write(&scene, SQUARE).expect("written");
-    let mut harness = window();
-    harness.run_steps(2);
-    type_path(&mut harness, &scene);
-    wait_until(&mut harness, |harness| {
-        harness.query_by_label("4 surfels, 4 drawn").is_some()
-    });
+    let mut harness = window_with_square(folder.path());
     let image = super::intent::ImageFile {
         path: folder.path().join("missing").join("a.png"),
         size_px: [64, 48],

@@ -5,7 +5,7 @@ use egui_kittest::kittest::Queryable as _;
 use pointstage_scene::Camera;
 
 use super::app::App;
-use super::app_tests::{SQUARE, type_path, wait_until, window};
+use super::app_tests::{self, wait_until, window, window_with_square};
 use super::intent::{
     CameraIntent, EditIntent, FileIntent, FilmFiles, Intent, OpenMode, Part, PathIntent, Replace,
     WindowIntent,
@@ -14,9 +14,7 @@ use super::navigation::CameraMove;
 use super::views::ListWay;
 
 fn ask(harness: &mut Harness<'static, App>, intent: impl Into<Intent>) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, intent.into());
-    harness.run_steps(2);
+    app_tests::ask(harness, intent, 2);
 }
 
 fn turn(harness: &mut Harness<'static, App>) {
@@ -33,14 +31,7 @@ fn camera(harness: &Harness<'static, App>) -> Camera {
 
 /// A window with a scene and a path of two views, two seconds apart, seen from the second one.
 fn with_path(folder: &std::path::Path) -> Harness<'static, App> {
-    let scene = folder.join("square.ply");
-    std::fs::write(&scene, SQUARE).expect("written");
-    let mut harness = window();
-    harness.run_steps(2);
-    type_path(&mut harness, &scene);
-    wait_until(&mut harness, |harness| {
-        harness.query_by_label("4 surfels, 4 drawn").is_some()
-    });
+    let mut harness = window_with_square(folder);
     ask(&mut harness, WindowIntent::Toggle(Part::Path));
     harness.get_by_label("Add this view").click();
     harness.run_steps(2);

@@ -10,6 +10,7 @@ use pointstage_engine::plugins::DiscoverOptions;
 use pointstage_engine::stage::{FALLBACK_ID, StageOptions};
 
 use super::app::{App, Start};
+use super::intent::Intent;
 use super::stage_link::StageLink;
 
 /// Longer than any step takes on a machine that other tests keep busy.
@@ -73,6 +74,26 @@ pub(super) fn type_path(harness: &mut Harness<'static, App>, path: &std::path::P
     harness.run_steps(2);
     harness.key_press(egui::Key::Enter);
     harness.run_steps(2);
+}
+
+/// A window that shows the [`SQUARE`], from a file of that folder.
+pub(super) fn window_with_square(folder: &std::path::Path) -> Harness<'static, App> {
+    let path = folder.join("square.ply");
+    std::fs::write(&path, SQUARE).expect("written");
+    let mut harness = window();
+    harness.run_steps(2);
+    type_path(&mut harness, &path);
+    wait_until(&mut harness, |harness| {
+        harness.query_by_label("4 surfels, 4 drawn").is_some()
+    });
+    harness
+}
+
+/// Carries out what the user asked for, then makes so many passes.
+pub(super) fn ask(harness: &mut Harness<'static, App>, intent: impl Into<Intent>, passes: usize) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, intent.into());
+    harness.run_steps(passes);
 }
 
 #[test]

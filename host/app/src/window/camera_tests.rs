@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable as _;
 use pointstage_scene::{Camera, NearClipping, ViewRecord};
 
 use super::app::App;
-use super::app_tests::{SQUARE, wait_until, window};
+use super::app_tests::{self, SQUARE, wait_until, window};
 use super::intent::{CameraIntent, FileIntent, Intent, LightIntent, OpenMode, ViewsIntent};
 use super::navigation::{Axis, CameraMove, UpAxis};
 
@@ -21,9 +21,7 @@ const CTRL: Modifiers = Modifiers {
 const FLIGHT_PASSES: usize = 5;
 
 fn ask(harness: &mut Harness<'static, App>, intent: impl Into<Intent>) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, intent.into());
-    harness.run_steps(FLIGHT_PASSES);
+    app_tests::ask(harness, intent, FLIGHT_PASSES);
 }
 
 fn turn(harness: &mut Harness<'static, App>) {

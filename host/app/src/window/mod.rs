@@ -69,6 +69,8 @@ mod status;
 mod tasks;
 #[cfg(test)]
 mod test_frames;
+#[cfg(test)]
+mod test_schema;
 mod theme;
 mod thumbnail;
 mod toasts;

@@ -1,20 +1,10 @@
 use super::*;
-use pointstage_plugin_api::manifest::Manifest;
+use crate::window::test_schema::schema_of;
 
 const OWNER: &str = "org.example.splats";
 
 fn values(scale: f64) -> SettingValues {
     SettingValues::from([("scale".to_owned(), SettingValue::Float(scale))])
-}
-
-fn schema(settings: &str) -> Vec<SettingSchema> {
-    let manifest = format!(
-        r#"{{ "format": 1, "vendor": "Test", "licence": "MIT", "api": "1.0", "plugins": [{{
-            "kind": "renderer", "id": "org.example.all", "version": "1.0.0",
-            "needs": {{}}, "gives": {{ "targets": ["colour"] }}, "settings": [{settings}] }}] }}"#
-    );
-    let manifest = Manifest::parse(manifest.as_bytes()).expect("the test's manifest is right");
-    manifest.plugins[0].settings.clone()
 }
 
 fn session(values: SettingValues) -> Session {
@@ -65,8 +55,9 @@ fn a_chosen_preset_brings_what_the_schema_still_takes() {
         .or_default()
         .extend(old);
     save(&mut session, OWNER, "Old").expect("a name");
-    let schema =
-        schema(r#"{ "id": "scale", "kind": "float", "default": 1, "max": 1.5, "label": "Scale" }"#);
+    let schema = schema_of(
+        r#"{ "id": "scale", "kind": "float", "default": 1, "max": 1.5, "label": "Scale" }"#,
+    );
     let refused = choose(&mut session, OWNER, "Old", &schema);
     assert_eq!(refused.len(), 1, "{refused:?}");
     assert_eq!(session.settings_of(OWNER), SettingValues::new());
@@ -115,14 +106,14 @@ fn a_renamed_preset_stays_active_and_takes_no_other_away() {
 
 #[test]
 fn copying_takes_what_fits_and_says_what_does_not() {
-    let from = schema(
+    let from = schema_of(
         r#"{ "id": "scale", "kind": "float", "default": 5, "label": "Scale" },
            { "id": "passes", "kind": "float", "default": 2.5, "label": "Passes" },
            { "id": "shape", "kind": "choice", "default": "hexagon", "options": [{ "id": "hexagon" }] },
            { "id": "cull", "kind": "bool", "default": true, "label": "Hide backs" },
            { "id": "alone", "kind": "bool", "default": true }"#,
     );
-    let to = schema(
+    let to = schema_of(
         r#"{ "id": "scale", "kind": "float", "default": 1, "max": 10, "label": "Splat scale" },
            { "id": "passes", "kind": "int", "default": 1, "label": "Passes" },
            { "id": "shape", "kind": "choice", "default": "round", "options": [{ "id": "round" }] },

@@ -10,7 +10,7 @@ use pointstage_engine::stage::{Background, SettingValue};
 use pointstage_scene::ViewRecord;
 
 use super::app::App;
-use super::app_tests::{SQUARE, app, window_of};
+use super::app_tests::{self, SQUARE, app, window_of};
 use super::intent::{FileIntent, Intent, OpenMode, Overwrite, WindowIntent};
 use crate::preferences;
 
@@ -43,9 +43,7 @@ fn wait_until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) 
 }
 
 fn ask(window: &mut Window, intent: impl Into<Intent>) {
-    let ctx = window.ctx.clone();
-    window.state_mut().apply(&ctx, intent.into());
-    window.step();
+    app_tests::ask(window, intent, 1);
 }
 
 fn messages(window: &Window) -> Vec<String> {

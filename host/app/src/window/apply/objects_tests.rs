@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3};
 use pointstage_scene::{Block, Geometry, Origins};
 
 use super::*;
-use crate::window::app_tests::{wait_until, window};
+use crate::window::app_tests::{ask, wait_until, window};
 use crate::window::intent::{EditIntent, Intent, SceneIntent};
 
 fn object(name: &str, x: f32) -> Object {
@@ -38,9 +38,7 @@ pub(in crate::window::apply) fn apply(
     harness: &mut Harness<'static, App>,
     intent: impl Into<Intent>,
 ) {
-    let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, intent.into());
-    harness.run_steps(2);
+    ask(harness, intent, 2);
 }
 
 fn names(harness: &Harness<'static, App>) -> Vec<String> {

@@ -13,22 +13,11 @@ use egui::Ui;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointstage_plugin_api::manifest::Manifest;
 use pointstage_plugin_api::settings_schema::SettingSchema;
 
 use crate::window::intent::{Intent, Intents};
 use crate::window::rows::RendererRow;
-
-/// A schema of these settings, as a manifest gives it.
-fn schema_of(settings: &str) -> Vec<SettingSchema> {
-    let manifest = format!(
-        r#"{{ "format": 1, "vendor": "Test", "licence": "MIT", "api": "1.0", "plugins": [{{
-            "kind": "renderer", "id": "org.example.all", "version": "1.0.0",
-            "needs": {{}}, "gives": {{ "targets": ["colour"] }}, "settings": [{settings}] }}] }}"#
-    );
-    let manifest = Manifest::parse(manifest.as_bytes()).expect("the test's manifest is right");
-    manifest.plugins[0].settings.clone()
-}
+use crate::window::test_schema::schema_of;
 
 /// A schema with every kind of setting: in groups, with ranges of every kind, a condition, a shortcut.
 fn every_kind() -> Vec<SettingSchema> {
