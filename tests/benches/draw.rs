@@ -26,7 +26,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, ensure};
 use glam::DQuat;
 use pointstage_engine::stage::{FrameRequest, FrameStats, SettingValue, Stage};
-use pointstage_scene::{Camera, Job, LoadOptions, Scene, load, orbit_cameras};
+use pointstage_scene::{Camera, Scene, orbit_cameras};
 use pointstage_tests::{data, program, scenes, stages};
 
 const SIZE_PX: [u32; 2] = [800, 580];
@@ -190,7 +190,7 @@ fn main() -> Result<()> {
 
 /// Draws one file by the cases and by the peer, and prints a table.
 fn compare(file: &Path, cases: &[&Case]) -> Result<()> {
-    let scene = scene_of(file)?;
+    let scene = stages::scene_of_file(file)?;
     let surfel_count = scene.surfel_count();
     let mut stage = stages::stage(&["points", "surfel", "hqss"])?;
     let mut ours: Vec<Vec<FrameStats>> = cases.iter().map(|_| Vec::new()).collect();
@@ -245,14 +245,6 @@ fn compare(file: &Path, cases: &[&Case]) -> Result<()> {
         );
     }
     Ok(())
-}
-
-fn scene_of(file: &Path) -> Result<Arc<Scene>> {
-    let loaded = load(file, &LoadOptions::default(), &Job::new())
-        .with_context(|| format!("loading {}", file.display()))?;
-    let mut scene = Scene::new();
-    scene.add(loaded.object);
-    Ok(Arc::new(scene))
 }
 
 /// The frames of one round that count.

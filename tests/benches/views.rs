@@ -9,14 +9,14 @@
 //! quarter degree a frame: `points`, `surfel`, `hqss`, and `hqss` without its filter. 'Alone' is a session with that viewport
 //! only. Sessions take turns, so that a busy moment meets all; the figures are medians.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use glam::DQuat;
 use pointstage_engine::stage::{FrameRequest, SettingValue, SettingValues, Stage, ViewportId};
-use pointstage_scene::{Camera, Job, LoadOptions, Scene, load};
+use pointstage_scene::{Camera, Scene};
 use pointstage_tests::{data, stages};
 
 const SIZE_PX: [u32; 2] = [400, 290];
@@ -49,7 +49,7 @@ fn main() -> Result<()> {
     else {
         return Ok(());
     };
-    let scene = scene_of(&file)?;
+    let scene = stages::scene_of_file(&file)?;
     println!("{}: {} surfels", file.display(), scene.surfel_count());
     let views = views(&scene);
     let mut sessions: Vec<Session> = views
@@ -149,12 +149,4 @@ impl Session {
 fn turn(camera: &mut Camera) {
     let turn = DQuat::from_axis_angle(camera.up, TURN_RAD);
     camera.eye = camera.pivot + turn * (camera.eye - camera.pivot);
-}
-
-fn scene_of(file: &Path) -> Result<Arc<Scene>> {
-    let loaded = load(file, &LoadOptions::default(), &Job::new())
-        .with_context(|| format!("loading {}", file.display()))?;
-    let mut scene = Scene::new();
-    scene.add(loaded.object);
-    Ok(Arc::new(scene))
 }

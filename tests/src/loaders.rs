@@ -2,6 +2,8 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, ensure};
 use pointstage_engine::plugins::{self, DiscoverOptions, Registry};
@@ -57,4 +59,21 @@ pub fn load_bytes(loaders: &Loaders, folder: &Path, name: &str, content: &[u8]) 
     let path = folder.join(name);
     std::fs::write(&path, content).with_context(|| format!("writing {}", path.display()))?;
     Ok(load_as_it_is(loaders, &path)?)
+}
+
+/// Cancels a load, and checks that its thread says so soon.
+///
+/// # Panics
+/// When it does not.
+pub fn assert_cancelled_soon(job: &Job, worker: JoinHandle<Result<Loaded, LoadError>>) {
+    job.cancel();
+    let cancelled = Instant::now();
+    let result = worker.join().expect("no panic");
+    assert!(matches!(result, Err(LoadError::Cancelled(_))), "{result:?}");
+    // 200 ms are promised; this machine may be busy.
+    assert!(
+        cancelled.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        cancelled.elapsed()
+    );
 }

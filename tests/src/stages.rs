@@ -1,6 +1,6 @@
 //! The engine without the program around it: stages over the first-party plugins, and scenes for them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
@@ -18,11 +18,20 @@ use crate::scenes::{self, Surfel};
 /// When they were not built, or the stage does not open.
 pub fn stage(plugins: &[&str]) -> Result<Stage> {
     let files = plugins.iter().map(|name| plugin_library(name));
+    of_libraries(files.collect::<Result<_>>()?, true)
+}
+
+/// A stage with these plugins' libraries, and no other; with a graphics device if it may use one.
+///
+/// # Errors
+/// When the stage does not open.
+pub fn of_libraries(files: Vec<PathBuf>, use_device: bool) -> Result<Stage> {
     let plugins = DiscoverOptions {
-        files: files.collect::<Result<_>>()?,
+        files,
         ..DiscoverOptions::default()
     };
     let options = StageOptions {
+        use_device,
         plugins,
         ..StageOptions::default()
     };
@@ -34,8 +43,15 @@ pub fn stage(plugins: &[&str]) -> Result<Stage> {
 /// # Errors
 /// When the file cannot be written or read.
 pub fn scene(folder: &Path, name: &str, surfels: &[Surfel]) -> Result<Arc<Scene>> {
-    let path = scenes::write(folder, name, surfels)?;
-    let loaded = load(&path, &LoadOptions::default(), &Job::new())
+    scene_of_file(&scenes::write(folder, name, surfels)?)
+}
+
+/// A scene with one object, read from a file by the built-in loaders.
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn scene_of_file(path: &Path) -> Result<Arc<Scene>> {
+    let loaded = load(path, &LoadOptions::default(), &Job::new())
         .with_context(|| format!("loading {}", path.display()))?;
     let mut scene = Scene::new();
     scene.add(loaded.object);

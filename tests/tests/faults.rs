@@ -16,7 +16,7 @@ use pointstage_plugin_api::abi::{PrepareRecord, SceneRecord};
 use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Scene};
 use pointstage_tests::data::skip;
 use pointstage_tests::plugins::{self, Variant};
-use std::path::PathBuf;
+use pointstage_tests::stages::of_libraries;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -25,18 +25,6 @@ const LONGEST_WAIT: Duration = Duration::from_mins(1);
 
 fn id(fault: &str) -> String {
     format!("org.pointstage.test.{fault}")
-}
-
-fn stage(files: Vec<PathBuf>, use_device: bool) -> Result<Stage> {
-    let plugins = DiscoverOptions {
-        files,
-        ..DiscoverOptions::default()
-    };
-    Ok(Stage::new(StageOptions {
-        use_device,
-        plugins,
-        ..StageOptions::default()
-    })?)
 }
 
 fn request(fault: &str) -> FrameRequest {
@@ -100,7 +88,7 @@ fn assert_survived(stage: &mut Stage, fault: &str, expected: &str) -> Result<()>
 
 #[test]
 fn panics_and_errors_in_every_entry_point_are_survived() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     for (fault, expected) in [
         ("panic-prepare", "asked to panic in prepare"),
         ("panic-view", "asked to panic in view"),
@@ -116,7 +104,7 @@ fn panics_and_errors_in_every_entry_point_are_survived() -> Result<()> {
 
 #[test]
 fn a_panic_in_the_next_preparation_keeps_the_previous_one_drawing() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let mut request = request("panic-prepare-next");
     let (first, _) = settled(&mut stage, &request)?;
     assert_eq!(first.drawn_by, id("panic-prepare-next"));
@@ -134,7 +122,7 @@ fn a_panic_in_the_next_preparation_keeps_the_previous_one_drawing() -> Result<()
 
 #[test]
 fn a_panic_in_drop_reaches_the_log_and_nothing_else() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     for fault in ["panic-drop-prepared", "panic-drop-view"] {
         let (result, _) = settled(&mut stage, &request(fault))?;
         assert_eq!(result.drawn_by, id(fault), "it draws well");
@@ -154,7 +142,7 @@ fn a_panic_in_drop_reaches_the_log_and_nothing_else() -> Result<()> {
 
 #[test]
 fn an_endless_preparation_does_not_stop_the_session() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     settled(&mut stage, &request("good"))?;
     let start = Instant::now();
     let result = stage.frame(&request("endless-prepare"))?;
@@ -176,7 +164,7 @@ fn an_endless_preparation_does_not_stop_the_session() -> Result<()> {
 
 #[test]
 fn while_a_preview_is_prepared_the_main_renderer_stands_in_for_it() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let main = FrameRequest {
         role: Role::Main,
         ..request("good")
@@ -220,7 +208,7 @@ fn an_endless_preparation_that_is_waited_for_ends_at_the_limit() -> Result<()> {
 
 #[test]
 fn a_time_budget_ends_a_long_frame_with_what_there_is() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let request = FrameRequest {
         time_budget: Some(Duration::from_millis(50)),
         patience: Patience::Wait,
@@ -241,7 +229,7 @@ fn a_time_budget_ends_a_long_frame_with_what_there_is() -> Result<()> {
 
 #[test]
 fn a_renderer_that_gives_up_at_its_time_budget_draws_late_and_keeps_its_place() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let request = FrameRequest {
         time_budget: Some(Duration::from_millis(50)),
         ..request("giving-up-render")
@@ -257,7 +245,7 @@ fn a_renderer_that_gives_up_at_its_time_budget_draws_late_and_keeps_its_place() 
 
 #[test]
 fn nan_in_every_target_still_makes_a_picture() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let (result, _) = settled(&mut stage, &request("nan-targets"))?;
     assert_eq!(result.picture.size_px, [32, 24]);
     let (after, _) = settled(&mut stage, &request("good"))?;
@@ -267,7 +255,7 @@ fn nan_in_every_target_still_makes_a_picture() -> Result<()> {
 
 #[test]
 fn without_a_good_renderer_the_built_in_one_stands_in() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let (result, notices) = settled(&mut stage, &request("panic-render"))?;
     assert_eq!(result.drawn_by, FALLBACK_ID);
     assert!(!notices.is_empty());
@@ -276,7 +264,7 @@ fn without_a_good_renderer_the_built_in_one_stands_in() -> Result<()> {
 
 #[test]
 fn a_renderer_that_needs_a_device_says_so_where_there_is_none() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let (result, notices) = settled(&mut stage, &request("bad-wgsl"))?;
     assert_eq!(result.drawn_by, FALLBACK_ID);
     let told = notices
@@ -288,7 +276,7 @@ fn a_renderer_that_needs_a_device_says_so_where_there_is_none() -> Result<()> {
 
 #[test]
 fn bad_requests_to_the_gpu_service_are_survived() -> Result<()> {
-    let mut stage = stage(
+    let mut stage = of_libraries(
         vec![plugins::misbehaving()?, plugins::variant(Variant::Newer)?],
         true,
     )?;
@@ -319,7 +307,7 @@ fn bad_requests_to_the_gpu_service_are_survived() -> Result<()> {
 
 #[test]
 fn a_lost_device_is_replaced_and_everybody_draws_on() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], true)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], true)?;
     let Some(device) = stage.device().cloned() else {
         skip("no graphics device, not even a software one");
         return Ok(());
@@ -340,7 +328,7 @@ fn a_lost_device_is_replaced_and_everybody_draws_on() -> Result<()> {
 
 #[test]
 fn a_plugin_of_a_newer_border_draws() -> Result<()> {
-    let mut stage = stage(vec![plugins::variant(Variant::Newer)?], false)?;
+    let mut stage = of_libraries(vec![plugins::variant(Variant::Newer)?], false)?;
     let (result, notices) = settled(&mut stage, &request("variant"))?;
     assert_eq!(result.drawn_by, id("variant"), "{notices:?}");
     let middle = (12 * 32 + 16) * 4;
@@ -354,7 +342,7 @@ fn a_plugin_of_a_newer_border_draws() -> Result<()> {
 
 #[test]
 fn a_structure_that_panics_is_done_without() -> Result<()> {
-    let mut stage = stage(vec![plugins::misbehaving()?], false)?;
+    let mut stage = of_libraries(vec![plugins::misbehaving()?], false)?;
     let mut request = request("good");
     request.structure = Some(id("panic-select"));
     let (first, notices) = settled(&mut stage, &request)?;

@@ -4,8 +4,7 @@
 
 use anyhow::{Context as _, Result};
 use flate2::read::GzDecoder;
-use pointstage_engine::plugins::DiscoverOptions;
-use pointstage_engine::stage::{FrameRequest, Stage, StageOptions};
+use pointstage_engine::stage::FrameRequest;
 use pointstage_tests::data::{repository, skip};
 use pointstage_tests::{plugins, scenes, stages};
 use std::fs::File;
@@ -28,18 +27,6 @@ fn shipped(folder: &Path) -> Result<Option<PathBuf>> {
     Ok(Some(library))
 }
 
-fn stage(library: &Path, use_device: bool) -> Result<Stage> {
-    let plugins = DiscoverOptions {
-        files: vec![library.to_owned()],
-        ..DiscoverOptions::default()
-    };
-    Ok(Stage::new(StageOptions {
-        use_device,
-        plugins,
-        ..StageOptions::default()
-    })?)
-}
-
 /// Both libraries draw the same request: the stored one and the one built today.
 fn draw_alike(renderer: &str, structure: Option<&str>, use_device: bool) -> Result<()> {
     let folder = tempfile::tempdir()?;
@@ -54,7 +41,7 @@ fn draw_alike(renderer: &str, structure: Option<&str>, use_device: bool) -> Resu
         ..stages::window_frame(&scene, SIZE_PX, renderer)
     };
     let draw = |library: &Path| {
-        let mut stage = stage(library, use_device)?;
+        let mut stage = stages::of_libraries(vec![library.to_owned()], use_device)?;
         stage
             .frame(&request)
             .with_context(|| format!("{}", library.display()))

@@ -28,6 +28,11 @@ use std::time::Instant;
 
 use pointstage_scene::{Estimation, Job, LoadOptions, SaveFormat, load, save};
 
+#[path = "shared/calibration.rs"]
+mod calibration;
+
+use calibration::calibrate;
+
 /// Loads timed for each median.
 const RUNS: usize = 7;
 
@@ -59,7 +64,7 @@ fn main() {
         }
         files.push(brain);
     }
-    calibrate();
+    calibrate(rayon::current_num_threads());
     let scratch = tempfile::tempdir().expect("a temporary folder");
     for file in files {
         if file.extension().is_none_or(|extension| extension != "ply") {
@@ -282,31 +287,6 @@ fn peak_bytes(file: &Path, estimation: Estimation) -> f64 {
     let peak = status("VmHWM:") - before;
     assert!(loaded.is_ok());
     peak
-}
-
-/// A fixed amount of arithmetic and of memory traffic on one thread.
-fn calibrate() {
-    let start = Instant::now();
-    let mut state = 1_u64;
-    for _ in 0..100_000_000 {
-        state = std::hint::black_box(
-            state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1),
-        );
-    }
-    let arithmetic = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let source = vec![1_u8; 64 << 20];
-    let copy = std::hint::black_box(source.clone());
-    let traffic = start.elapsed().as_secs_f64();
-    println!(
-        "calibration: 100 M multiplications {:.0} ms, fill and copy 64 MiB {:.0} ms, {} threads ({})",
-        arithmetic * 1e3,
-        traffic * 1e3,
-        rayon::current_num_threads(),
-        (state & 1) + u64::from(copy[0]),
-    );
 }
 
 /// The positions and triangles of a file, as text.

@@ -16,6 +16,11 @@ use pointstage_pop_tree::{Mesh, VertexBlock, build, file, fingerprint};
 use std::f32::consts::{PI, TAU};
 use std::time::Instant;
 
+#[path = "../../../host/scene/benches/shared/calibration.rs"]
+mod calibration;
+
+use calibration::calibrate;
+
 /// Acts timed for each median.
 const RUNS: usize = 5;
 
@@ -32,7 +37,7 @@ fn main() {
         .filter_map(|argument| argument.parse().ok())
         .collect();
     let bench = arguments.iter().any(|argument| argument == "--bench");
-    calibrate();
+    calibrate(std::thread::available_parallelism().map_or(1, usize::from));
     println!(
         "{:<8} {:>9} {:>9}  {:>17}  {:>17}  {:>8} {:>8} {:>8}",
         "mesh", "triangles", "nodes", "all threads", "one thread", "hash", "write", "read"
@@ -170,28 +175,4 @@ fn median(act: impl Fn()) -> f64 {
         .collect();
     seconds.sort_by(f64::total_cmp);
     seconds[RUNS / 2]
-}
-
-/// A fixed amount of arithmetic and of memory traffic on one thread.
-fn calibrate() {
-    let start = Instant::now();
-    let mut state = 1_u64;
-    for _ in 0..100_000_000 {
-        state = std::hint::black_box(
-            state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1),
-        );
-    }
-    let arithmetic = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let source = vec![1_u8; 64 << 20];
-    let copy = std::hint::black_box(source.clone());
-    println!(
-        "calibration: 100 M multiplications {:.0} ms, fill and copy 64 MiB {:.0} ms, {} threads ({})",
-        arithmetic * 1e3,
-        start.elapsed().as_secs_f64() * 1e3,
-        std::thread::available_parallelism().map_or(1, usize::from),
-        (state & 1) + u64::from(copy[0]),
-    );
 }

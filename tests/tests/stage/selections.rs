@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use glam::{DAffine3, DVec3};
-use pointstage_engine::plugins::DiscoverOptions;
-use pointstage_engine::stage::{FrameRequest, Stage, StageOptions};
+use pointstage_engine::stage::{FrameRequest, Stage};
 use pointstage_scene::Scene;
 use pointstage_tests::data::skip;
 use pointstage_tests::models::{Surfel, ball, object};
@@ -14,22 +13,16 @@ use pointstage_tests::program::plugin_library;
 use pointstage_tests::shots::{
     PATHS, both_paths, choice, draw, floats, perspective, request, uints,
 };
+use pointstage_tests::{plugins, stages};
 
 fn stage() -> Result<Stage> {
     let files = vec![
         plugin_library("points")?,
         plugin_library("surfel")?,
         plugin_library("hqss")?,
-        pointstage_tests::plugins::sound()?,
+        plugins::sound()?,
     ];
-    let plugins = DiscoverOptions {
-        files,
-        ..DiscoverOptions::default()
-    };
-    Ok(Stage::new(StageOptions {
-        plugins,
-        ..StageOptions::default()
-    })?)
+    stages::of_libraries(files, true)
 }
 
 /// Two objects, of which the structure `thirds` draws one by numbers from the host and the other by numbers and a count

@@ -2,26 +2,18 @@
 
 use anyhow::{Context as _, Result};
 use glam::{DAffine3, DVec3, Vec4};
-use pointstage_engine::plugins::DiscoverOptions;
 use pointstage_engine::stage::{
-    FrameRequest, FrameResult, IdSource, Identified, Plane, SettingValue, Stage, StageOptions,
+    FrameRequest, FrameResult, IdSource, Identified, Plane, SettingValue, Stage,
 };
 use pointstage_plugin_api::columns;
 use pointstage_scene::{Block, Camera, Geometry, Object, Origins, Scene};
+use pointstage_tests::{plugins, stages};
 use std::sync::Arc;
 
 const SIZE_PX: [u32; 2] = [80, 60];
 
 fn stage(use_device: bool) -> Result<Stage> {
-    let plugins = DiscoverOptions {
-        files: vec![pointstage_tests::plugins::sound()?],
-        ..DiscoverOptions::default()
-    };
-    Ok(Stage::new(StageOptions {
-        use_device,
-        plugins,
-        ..StageOptions::default()
-    })?)
+    stages::of_libraries(vec![plugins::sound()?], use_device)
 }
 
 /// A row of 8 red surfels along x, 0.1 apart, of radius 0.05.
