@@ -7,10 +7,7 @@ pub(crate) fn bench(arguments: &[String]) -> Outcome {
     let mut parts = arguments.splitn(2, |argument| argument == "--");
     let names = parts.next().unwrap_or_default();
     let passed_on = parts.next().unwrap_or_default();
-    setup::set_up(setup::Needs {
-        window: false,
-        tests: false,
-    })?;
+    setup::set_up(setup::Needs::NONE)?;
     build::release()?;
     process::say("running the benchmarks");
     let mut command = process::cargo(&["bench", "--workspace"]);

@@ -1,8 +1,9 @@
 //! The folder that a command writes its findings into.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use crate::{Outcome, paths, process};
+use crate::{Outcome, paths, process, setup};
 
 /// A folder that is there.
 pub(crate) struct OutFolder {
@@ -36,6 +37,14 @@ impl OutFolder {
     /// A folder inside it, made if need be.
     pub(crate) fn folder(&self, name: &str) -> Outcome<Self> {
         Self::make(&self.path.join(name))
+    }
+
+    /// A command of the program, to be run in the folder.
+    pub(crate) fn command(&self, program: &Path, name: &str) -> Outcome<Command> {
+        let mut command = Command::new(program);
+        command.arg(name).current_dir(&self.path);
+        setup::prepare_environment(&mut command)?;
+        Ok(command)
     }
 
     /// Writes the file of this name; returns its path.

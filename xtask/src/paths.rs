@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::process;
+
 /// The repository's root folder.
 pub(crate) fn root() -> PathBuf {
     // Cargo gives the package's folder to what it runs; the one of build time serves a binary started by hand.
@@ -32,6 +34,15 @@ pub(crate) fn shared_data(path: &str) -> Option<PathBuf> {
         .map_or_else(|| root().join("../shared/data"), PathBuf::from);
     let file = std::path::absolute(folder.join(path)).ok()?;
     file.is_file().then_some(file)
+}
+
+/// The same; says so where it is not.
+pub(crate) fn shared_data_or_say(path: &str) -> Option<PathBuf> {
+    let file = shared_data(path);
+    if file.is_none() {
+        process::say(&no_shared_data(path));
+    }
+    file
 }
 
 /// What to say where it is not.

@@ -18,6 +18,14 @@ pub(crate) struct Needs {
     pub(crate) tests: bool,
 }
 
+impl Needs {
+    /// Nothing more: the program is run without a window.
+    pub(crate) const NONE: Self = Self {
+        window: false,
+        tests: false,
+    };
+}
+
 /// How a need is looked for.
 enum Look {
     /// A shared library that the loader knows, by file name.

@@ -86,10 +86,7 @@ impl Arguments {
 pub(crate) fn pop(arguments: &[String]) -> Outcome {
     let arguments = Arguments::of(arguments)?;
     if arguments.program.is_none() {
-        setup::set_up(setup::Needs {
-            window: false,
-            tests: false,
-        })?;
+        setup::set_up(setup::Needs::NONE)?;
         build::release()?;
         // Now, so that a benchmark that does not build fails once and not for each model.
         process::say("building the benchmark");

@@ -67,13 +67,7 @@ impl Model {
     pub(super) fn file(&self, folder: &OutFolder) -> Outcome<Option<PathBuf>> {
         match self.source {
             Source::Surface(surface) => made(folder, self.name, surface).map(Some),
-            Source::Shared(path) => {
-                let file = paths::shared_data(path);
-                if file.is_none() {
-                    process::say(&paths::no_shared_data(path));
-                }
-                Ok(file)
-            }
+            Source::Shared(path) => Ok(paths::shared_data_or_say(path)),
         }
     }
 }

@@ -103,10 +103,7 @@ const COMPARISONS: &[Comparison] = &[
 /// Compares, and writes the table and all that the comparisons write into the folder named, `target/quality` unless given.
 pub(crate) fn quality(arguments: &[String]) -> Outcome {
     let out = OutFolder::path_of(arguments, "quality")?;
-    setup::set_up(setup::Needs {
-        window: false,
-        tests: false,
-    })?;
+    setup::set_up(setup::Needs::NONE)?;
     let place = Place {
         program: build::release()?,
         out: OutFolder::make(&out)?,
@@ -163,13 +160,7 @@ impl Place {
     fn file_of(&self, model: &Model) -> Outcome<Option<PathBuf>> {
         match model.source {
             Source::Sample(name) => Ok(Some(paths::root().join("sample-data").join(name))),
-            Source::Shared(path) => {
-                let file = paths::shared_data(path);
-                if file.is_none() {
-                    process::say(&paths::no_shared_data(path));
-                }
-                Ok(file)
-            }
+            Source::Shared(path) => Ok(paths::shared_data_or_say(path)),
             Source::Board => {
                 let file = self.out.write("checkerboard.ply", board::ply())?;
                 Ok(Some(file))
@@ -233,9 +224,8 @@ impl Place {
 
     /// A command of the program on a file, to be run in the folder of what is written.
     fn command(&self, name: &str, file: &Path) -> Outcome<Command> {
-        let mut command = Command::new(&self.program);
-        command.arg(name).arg(file).current_dir(self.out.path());
-        setup::prepare_environment(&mut command)?;
+        let mut command = self.out.command(&self.program, name)?;
+        command.arg(file);
         Ok(command)
     }
 }

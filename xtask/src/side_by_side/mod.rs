@@ -4,7 +4,6 @@
 //! [`thesis`]. Its numbers stand beside the thesis's in one [`page`].
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crate::json::Value;
 use crate::out::OutFolder;
@@ -46,10 +45,7 @@ const RENDERERS: &str = "surfel,points,ewa-reference,hqss,hqss:path=raster,hqss:
 /// Makes reports and tables in the folder named, `target/side-by-side` unless given.
 pub(crate) fn side_by_side(arguments: &[String]) -> Outcome {
     let out = OutFolder::path_of(arguments, "side-by-side")?;
-    setup::set_up(setup::Needs {
-        window: false,
-        tests: false,
-    })?;
+    setup::set_up(setup::Needs::NONE)?;
     let place = Place {
         program: build::release()?,
         out: OutFolder::make(&out)?,
@@ -73,10 +69,10 @@ struct Place {
 impl Place {
     /// All renderers on one model, against the exact one.
     fn report(&self, model: &Model) -> Outcome {
-        let Some(file) = found(model.file) else {
+        let Some(file) = paths::shared_data_or_say(model.file) else {
             return Ok(());
         };
-        let mut command = self.command("compare")?;
+        let mut command = self.out.command(&self.program, "compare")?;
         command.arg(file).args(["--renderers", "all"]);
         command.args(["--reference", "ewa-reference", "--size", SIZE]);
         command.args(["--views", "orbit:12", "--out", model.name]);
@@ -92,12 +88,13 @@ impl Place {
     /// The thesis's tables on our models.
     fn tables(&self) -> Outcome {
         let models = thesis::MODELS.iter();
-        let models = models.filter_map(|model| Some((model, found(model.stand_in)?)));
+        let models =
+            models.filter_map(|model| Some((model, paths::shared_data_or_say(model.stand_in)?)));
         let models: Vec<(&thesis::Model, PathBuf)> = models.collect();
         if models.is_empty() {
             return Ok(());
         }
-        let mut command = self.command("bench")?;
+        let mut command = self.out.command(&self.program, "bench")?;
         command.args(models.iter().map(|(_, file)| file));
         command.args(["--renderers", RENDERERS, "--size", SIZE]);
         command.args(["--frames", "40", "--budget", "10", "--out", "speed"]);
@@ -111,23 +108,6 @@ impl Place {
         println!("{page}");
         Ok(())
     }
-
-    /// A command of the program, to be run in the folder of what is written.
-    fn command(&self, name: &str) -> Outcome<Command> {
-        let mut command = Command::new(&self.program);
-        command.arg(name).current_dir(self.out.path());
-        setup::prepare_environment(&mut command)?;
-        Ok(command)
-    }
-}
-
-/// A file of the shared test data folder; none, with a word, where it is not.
-fn found(path: &str) -> Option<PathBuf> {
-    let file = paths::shared_data(path);
-    if file.is_none() {
-        process::say(&paths::no_shared_data(path));
-    }
-    file
 }
 
 fn read(file: &Path) -> Outcome<Value> {
