@@ -15,11 +15,16 @@
 //! Comput. 5(2), 1984; Kim, Kim and Shin, A general construction scheme for unit quaternion curves with simple high order
 //! derivatives, SIGGRAPH 1995.
 
+mod cubic;
+mod knots;
+
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::between::{Level, SAME_DIRECTION_RAD, narrow, nearest_turn, rotation};
+use super::between::{Level, SAME_DIRECTION_RAD, narrow};
 use super::{Camera, Projection};
+use cubic::{Cubic, turned};
+use knots::{AZIMUTH, DISTANCE, FAR, HEIGHT, Knot, NEAR, POLAR, set_rates};
 
 /// How the camera goes on from a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,38 +85,6 @@ pub struct CameraPath {
     level: Option<Level>,
     /// What `Knot::point` is: the eye, for a camera that looks around, else the pivot.
     holds_eye: bool,
-}
-
-/// Places in [`Knot::numbers`].
-const DISTANCE: usize = 0;
-const HEIGHT: usize = 1;
-const NEAR: usize = 2;
-const FAR: usize = 3;
-const AZIMUTH: usize = 4;
-const POLAR: usize = 5;
-const NUMBER_COUNT: usize = 6;
-
-/// A view as what is interpolated, with rates per second.
-#[derive(Clone, Copy, Debug)]
-struct Knot {
-    point: DVec3,
-    point_rate: DVec3,
-    /// Logarithms of sizes, then angles.
-    numbers: [f64; NUMBER_COUNT],
-    number_rates: [f64; NUMBER_COUNT],
-    rotation: DQuat,
-    /// In the view's own axes, radians per second.
-    spin: DVec3,
-}
-
-/// The change over one stretch.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    secs: f64,
-    is_linear: bool,
-    point: DVec3,
-    numbers: [f64; NUMBER_COUNT],
-    spin: DVec3,
 }
 
 impl CameraPath {
@@ -290,198 +263,5 @@ fn level_of(cameras: &[Camera]) -> Option<Level> {
     cameras.iter().all(is_level).then_some(level)
 }
 
-impl Knot {
-    fn of(camera: &Camera, level: Option<&Level>, holds_eye: bool) -> Self {
-        let [_, _, back] = camera.axes_world();
-        let mut numbers = [0.0; NUMBER_COUNT];
-        numbers[DISTANCE] = camera.distance().ln();
-        numbers[HEIGHT] = camera.height_at_pivot().ln();
-        numbers[NEAR] = camera.near.ln();
-        numbers[FAR] = camera.far.ln();
-        if let Some(level) = level {
-            numbers[AZIMUTH] = level.azimuth(back);
-            numbers[POLAR] = camera.up.angle_between(back);
-        }
-        Self {
-            point: if holds_eye { camera.eye } else { camera.pivot },
-            point_rate: DVec3::ZERO,
-            numbers,
-            number_rates: [0.0; NUMBER_COUNT],
-            rotation: rotation(camera),
-            spin: DVec3::ZERO,
-        }
-    }
-
-    /// Reaches its direction from that of the view before by the shortest turn.
-    fn follow(&mut self, before: &Self) {
-        let azimuth = &mut self.numbers[AZIMUTH];
-        *azimuth = before.numbers[AZIMUTH] + nearest_turn(*azimuth - before.numbers[AZIMUTH]);
-        if before.rotation.dot(self.rotation) < 0.0 {
-            self.rotation = -self.rotation;
-        }
-    }
-}
-
-/// Gives every knot the rates at which the path goes through it.
-fn set_rates(knots: &mut [Knot], keys: &[CameraKey], is_closed: bool) {
-    let pairs = knots.windows(2).zip(keys.windows(2));
-    let stretches: Vec<Stretch> = pairs
-        .map(|(knots, keys)| Stretch::of(&knots[0], &knots[1], &keys[0], &keys[1]))
-        .collect();
-    let (first, last) = (stretches.first(), stretches.last());
-    let count = knots.len();
-    for (index, knot) in knots.iter_mut().enumerate() {
-        let before = match index.checked_sub(1) {
-            Some(before) => stretches.get(before),
-            None => last.filter(|_| is_closed),
-        };
-        let after = if index + 1 < count {
-            stretches.get(index)
-        } else {
-            first.filter(|_| is_closed)
-        };
-        // Where it begins or ends at rest, the rates are 0 as they are.
-        match (before, after) {
-            (Some(before), Some(after)) => knot.pass(before, after),
-            (Some(only), None) | (None, Some(only)) if only.is_linear => {
-                knot.pass(only, only);
-            }
-            _ => {}
-        }
-    }
-}
-
-impl Stretch {
-    fn of(from: &Knot, to: &Knot, start: &CameraKey, end: &CameraKey) -> Self {
-        let secs = end.time_s - start.time_s;
-        let mut numbers = [0.0; NUMBER_COUNT];
-        for (place, rate) in numbers.iter_mut().enumerate() {
-            *rate = (to.numbers[place] - from.numbers[place]) / secs;
-        }
-        Self {
-            secs,
-            is_linear: start.easing == Easing::Linear,
-            point: (to.point - from.point) / secs,
-            numbers,
-            spin: axis_times_angle(from.rotation.inverse() * to.rotation) / secs,
-        }
-    }
-}
-
-impl Knot {
-    /// Takes the rates at which it is passed from one stretch to another.
-    fn pass(&mut self, before: &Stretch, after: &Stretch) {
-        for (place, rate) in self.number_rates.iter_mut().enumerate() {
-            let (rates, secs) = (
-                [before.numbers[place], after.numbers[place]],
-                [before.secs, after.secs],
-            );
-            *rate = match (before.is_linear, after.is_linear) {
-                (true, _) => limited(rates[0], rates[1]),
-                (_, true) => limited(rates[1], rates[0]),
-                _ => monotone(rates, secs),
-            };
-        }
-        let of_vectors = |rates: [DVec3; 2]| match (before.is_linear, after.is_linear) {
-            (true, _) => rates[0],
-            (_, true) => rates[1],
-            _ => through(rates, [before.secs, after.secs]),
-        };
-        self.point_rate = of_vectors([before.point, after.point]);
-        self.spin = of_vectors([before.spin, after.spin]);
-    }
-}
-
-/// The rate between two stretches that keeps a cubic within their ends (Fritsch and Butland, equation 4).
-fn monotone([before, after]: [f64; 2], [secs_before, secs_after]: [f64; 2]) -> f64 {
-    // Turning round there, or at rest.
-    if before * after <= 0.0 {
-        return 0.0;
-    }
-    let weights = [
-        secs_before + 2.0 * secs_after,
-        2.0 * secs_before + secs_after,
-    ];
-    (weights[0] + weights[1]) / (weights[0] / before + weights[1] / after)
-}
-
-/// A given rate, as far as a cubic on the other side stays within its ends.
-fn limited(rate: f64, other: f64) -> f64 {
-    if rate * other > 0.0 {
-        rate.abs().min(3.0 * other.abs()).copysign(rate)
-    } else {
-        0.0
-    }
-}
-
-/// The rate of a parabola through three points; at most three times that of the slower side, so that a camera that waits
-/// does not swing.
-fn through([before, after]: [DVec3; 2], [secs_before, secs_after]: [f64; 2]) -> DVec3 {
-    let rate = (before * secs_after + after * secs_before) / (secs_before + secs_after);
-    rate.clamp_length_max(3.0 * before.length().min(after.length()))
-}
-
-/// The weights of a cubic between two values with given rates.
-struct Cubic {
-    values: [f64; 2],
-    rates: [f64; 2],
-}
-
-impl Cubic {
-    fn at(part: f64, secs: f64) -> Self {
-        let (square, cube) = (part * part, part * part * part);
-        let end = 3.0 * square - 2.0 * cube;
-        Self {
-            values: [1.0 - end, end],
-            rates: [secs * (cube - 2.0 * square + part), secs * (cube - square)],
-        }
-    }
-
-    fn number(&self, values: [f64; 2], rates: [f64; 2]) -> f64 {
-        // From the first value on, so that what does not change stays to the last bit.
-        values[0]
-            + (values[1] - values[0]) * self.values[1]
-            + rates[0] * self.rates[0]
-            + rates[1] * self.rates[1]
-    }
-
-    fn point(&self, points: [DVec3; 2], rates: [DVec3; 2]) -> DVec3 {
-        points[0]
-            + (points[1] - points[0]) * self.values[1]
-            + rates[0] * self.rates[0]
-            + rates[1] * self.rates[1]
-    }
-}
-
-/// A cubic Bézier curve of rotations, cumulative form (Kim, Kim and Shin 1995, section 4).
-fn turned(from: &Knot, to: &Knot, secs: f64, part: f64) -> DQuat {
-    let (first, last) = (from.spin * (secs / 3.0), to.spin * (secs / 3.0));
-    let whole = from.rotation.inverse() * to.rotation;
-    let middle = DQuat::from_scaled_axis(-first) * whole * DQuat::from_scaled_axis(-last);
-    let middle = axis_times_angle(middle);
-    let rest = 1.0 - part;
-    let weights = [
-        1.0 - rest * rest * rest,
-        part * part * (3.0 - 2.0 * part),
-        part * part * part,
-    ];
-    let turn = from.rotation
-        * DQuat::from_scaled_axis(first * weights[0])
-        * DQuat::from_scaled_axis(middle * weights[1])
-        * DQuat::from_scaled_axis(last * weights[2]);
-    turn.normalize()
-}
-
-/// The rotation's axis times its angle, at most π.
-fn axis_times_angle(rotation: DQuat) -> DVec3 {
-    let rotation = if rotation.w < 0.0 {
-        -rotation
-    } else {
-        rotation
-    };
-    rotation.to_scaled_axis()
-}
-
 #[cfg(test)]
-#[path = "path_tests.rs"]
 mod tests;
