@@ -27,6 +27,8 @@ mod srgb;
 mod target_set;
 pub mod targets;
 #[cfg(test)]
+mod twin_planes;
+#[cfg(test)]
 mod twin_tests;
 
 pub use composition::{Composed, Composition};

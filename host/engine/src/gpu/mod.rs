@@ -10,6 +10,7 @@
 //! The host's own resources (scene columns, targets, groups 0 and 1) are imported; every owner may use them, but none
 //! may write the buffers among them.
 
+mod bindings;
 mod bytes;
 mod convert;
 mod create;

@@ -52,7 +52,7 @@ impl GpuService {
             let entries: Vec<_> = bindings
                 .iter()
                 .map(|binding| {
-                    super::create::layout_entry(binding).expect("the standard bindings are valid")
+                    super::bindings::layout_entry(binding).expect("the standard bindings are valid")
                 })
                 .collect();
             let layout = gpu
