@@ -4,16 +4,18 @@
 //! group layouts, pipelines. Work is recorded with a [`Recorder`] and handed to the frame (or, in `prepare`, to
 //! [`Gpu::submit`]); the host checks and replays it.
 
+mod options;
 mod recorder;
 mod resources;
 mod service;
 
+pub use options::{
+    Binding, Blend, ColourTarget, ComputePipelineOptions, DepthTest, Layout, RenderPipelineOptions,
+    TextureOptions, VertexBuffer,
+};
 pub use recorder::{ColourAttachment, ComputePass, DepthAttachment, Recorder, RenderPass};
 pub use resources::{
     AsHandle, BindGroup, BindGroupLayout, Buffer, BufferRef, ComputePipeline, GroupRef,
     RenderPipeline, Sampler, Shader, Texture, TextureRef, TextureView, Ticket,
 };
-pub use service::{
-    Binding, Blend, ColourTarget, ComputePipelineOptions, DepthTest, Gpu, Layout,
-    RenderPipelineOptions, TextureOptions, VertexBuffer,
-};
+pub use service::Gpu;
