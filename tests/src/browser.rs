@@ -19,7 +19,7 @@ const NAMES: [&str; 4] = [
 ];
 
 /// How long a page may take: a browser's first start on a busy machine is slow.
-const TIME_LIMIT: Duration = Duration::from_secs(180);
+const TIME_LIMIT: Duration = Duration::from_mins(3);
 
 /// Chromium, if there is one.
 pub fn find() -> Option<PathBuf> {
