@@ -75,7 +75,8 @@ pub(crate) fn around_balls(balls: &[Ball]) -> Ball {
     }
     let mut consider = |centre: DVec3| {
         let radius = Ball::reach(centre, balls);
-        if radius < best.radius {
+        // A support that has no such ball gives no numbers, which nothing would seem to be far from.
+        if centre.is_finite() && radius < best.radius {
             best = Ball { centre, radius };
         }
     };
@@ -230,6 +231,21 @@ mod tests {
             prop_assert!(centre.is_finite());
             let expected = around_balls(&balls).radius;
             prop_assert!((Ball::reach(centre, &balls) - expected).abs() <= 1e-9 * (1.0 + expected));
+        }
+    }
+
+    #[test]
+    fn a_ball_that_is_there_twice_changes_nothing() {
+        let at = |x: f64, z: f64| Ball {
+            centre: DVec3::new(x, 2.0, z),
+            radius: 0.0,
+        };
+        let three = [at(2.0, 3.0), at(0.0, 0.0), at(2.7, 0.0)];
+        let expected = around_balls(&three);
+        for twice in three {
+            let found = around_balls(&[three[0], three[1], three[2], twice]);
+            assert!(found.centre.distance(expected.centre) < 1e-12, "{found:?}");
+            assert!((found.radius - expected.radius).abs() < 1e-12, "{found:?}");
         }
     }
 
