@@ -7,7 +7,7 @@ use laz::ParLasZipDecompressor;
 use pointstage_plugin_api::{Error, Result};
 
 /// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
-const POINTS_AT_ONCE: u64 = 200_000;
+const POINTS_AT_ONCE: u64 = 400_000;
 
 /// Bytes of points decompressed at once: a header may claim 64 KB a point, and the memory is taken before the first is read.
 const BYTES_AT_ONCE: u64 = 1 << 24;

@@ -9,7 +9,7 @@ use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 use crate::columns::RUN;
 use crate::las_columns::{Colours, Layout, NAMES, Plan};
 use crate::las_extra::{Extra, described};
-use crate::las_records::Records;
+use crate::las_records::{Packed, Records};
 
 /// What the progress says.
 const READING: &str = "reading points";
@@ -50,7 +50,7 @@ impl Loader for LasLoader {
         let mut records = Records::new(file.bytes, source.position(), &header)?;
         let extras = extras_of(&header, out);
         // What must be read before it is known how colours are kept.
-        let mut held: Vec<Vec<u8>> = Vec::new();
+        let mut held = Vec::new();
         let largest = match &mut records {
             Records::Plain(bytes) => layout.largest_colour(bytes),
             Records::Packed(packed) => {
@@ -88,22 +88,7 @@ impl Loader for LasLoader {
         };
         match &mut records {
             Records::Plain(bytes) => handed.add(bytes, out, progress),
-            Records::Packed(packed) => {
-                handed.least_progress = packed.fraction();
-                for run in held.drain(..) {
-                    handed.add(&run, out, progress)?;
-                }
-                let mut run = Vec::new();
-                loop {
-                    progress.check()?;
-                    packed.next(&mut run)?;
-                    if run.is_empty() {
-                        return Ok(());
-                    }
-                    handed.least_progress = packed.fraction();
-                    handed.add(&run, out, progress)?;
-                }
-            }
+            Records::Packed(packed) => handed.add_packed(packed, held, out, progress),
         }
     }
 }
@@ -132,6 +117,38 @@ impl HandedOver<'_> {
             let count = run.len() / self.stride;
             out.rows(count, &columns)?;
             self.count += count as u64;
+        }
+        Ok(())
+    }
+
+    /// Hands over runs that are there, and what is still to be decompressed.
+    fn add_packed(
+        &mut self,
+        packed: &mut Packed<'_>,
+        held: Vec<Vec<u8>>,
+        out: &mut Output<'_>,
+        progress: &Progress<'_>,
+    ) -> Result<()> {
+        let mut held = held.into_iter();
+        let (mut run, mut ahead) = (held.next().unwrap_or_default(), Vec::new());
+        if run.is_empty() {
+            packed.next(&mut run)?;
+        }
+        while !run.is_empty() {
+            self.least_progress = packed.fraction();
+            if let Some(next) = held.next() {
+                self.add(&run, out, progress)?;
+                run = next;
+                continue;
+            }
+            // The next ones are decompressed while the host takes these.
+            let mut decompressed = Ok(());
+            rayon::in_place_scope(|scope| {
+                scope.spawn(|_| decompressed = packed.next(&mut ahead));
+                self.add(&run, out, progress)
+            })?;
+            decompressed?;
+            std::mem::swap(&mut run, &mut ahead);
         }
         Ok(())
     }

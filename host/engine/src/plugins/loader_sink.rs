@@ -21,8 +21,8 @@ const READING: f32 = 0.35;
 const LONGEST_TEXT: usize = 400;
 /// Different warnings that are kept of one load.
 const MOST_WARNINGS: usize = 64;
-/// Memory taken for surfels that are only announced yet, beyond the length of the file: a header may claim any number.
-const MOST_RESERVED_BYTES: u64 = 16 << 20;
+/// Memory taken for surfels that are only announced yet, beyond twice the length of the file: a header may claim any number.
+const MOST_RESERVED_BYTES: u64 = 32 << 20;
 /// Surfels copied between two looks at the cancel flag take a few milliseconds: a plugin may hand over all at once.
 const ROWS_AT_ONCE: u64 = 1 << 18;
 
@@ -163,7 +163,11 @@ impl LoadSinkObject for Sink<'_> {
                 .collect();
             let mut builder = ObjectBuilder::new(specs).map_err(|error| error.to_string())?;
             let width: usize = state.widths.iter().sum();
-            let most = self.file_bytes.saturating_add(MOST_RESERVED_BYTES) / width.max(1) as u64;
+            let most = self
+                .file_bytes
+                .saturating_mul(2)
+                .saturating_add(MOST_RESERVED_BYTES)
+                / width.max(1) as u64;
             builder.reserve(expected.min(most));
             state.builder = Some(builder);
             Ok(())

@@ -7,7 +7,7 @@ use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, NO_NORMAL, encode_normal
 use rayon::prelude::*;
 
 use crate::geometry::{Block, Geometry, Provenance};
-use crate::load::fill::zeroed_slice;
+use crate::load::memory::zeroed_slice;
 
 /// What the triangles add up to at one vertex: sum of unit normals, and the largest squared radius; in scaled units.
 pub(super) type Sum = [f32; 4];

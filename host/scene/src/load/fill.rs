@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
-use rayon::prelude::*;
 
+use super::memory::{filled_bytes, filled_slice};
 use crate::job::{Cancelled, Job};
 
 /// Surfels filled at once: small enough for 8 columns of f64 in the first-level cache, and a divisor of a block.
@@ -40,9 +40,13 @@ where
     let mut summary = S::default();
     for start in (0..count).step_by(MAX_BLOCK_SURFELS) {
         let length = MAX_BLOCK_SURFELS.min(count - start);
-        let mut block: Arc<[T]> = zeroed_slice(length * width);
-        let slots = Arc::get_mut(&mut block).expect("just made, nobody else has it");
-        summary = merge(summary, fill(slots, start, width, job, &convert, &merge)?);
+        let task = |task, slots: &mut [T]| {
+            let first = start + task * TASK_SURFELS;
+            fill(slots, first, width, job, &convert, &merge)
+        };
+        let task_values = TASK_SURFELS * width;
+        let (block, of_block) = filled_slice(length * width, task_values, task, &merge)?;
+        summary = merge(summary, of_block);
         blocks.push(block);
     }
     Ok((blocks, summary))
@@ -63,50 +67,34 @@ where
     let mut summary = S::default();
     for start in (0..count).step_by(MAX_BLOCK_SURFELS) {
         let length = MAX_BLOCK_SURFELS.min(count - start);
-        // The system gives zeros, page by page, to the thread that writes there first.
-        let mut block = bytemuck::zeroed_vec(length * width);
-        summary = merge(
-            summary,
-            fill(&mut block, start, width, job, &convert, &merge)?,
-        );
+        let task = |task, slots: &mut [u8]| {
+            let first = start + task * TASK_SURFELS;
+            fill(slots, first, width, job, &convert, &merge)
+        };
+        let task_values = TASK_SURFELS * width;
+        let (block, of_block) = filled_bytes(length * width, task_values, task, &merge)?;
+        summary = merge(summary, of_block);
         blocks.push(Arc::new(block));
     }
     Ok((blocks, summary))
 }
 
-/// Fills the slots of a block of which `block_start` is the first surfel.
-fn fill<T, S>(
+/// Fills the slots of some surfels of which `first` is the first.
+fn fill<T, S: Default>(
     slots: &mut [T],
-    block_start: usize,
+    first: usize,
     width: usize,
     job: &Job,
     convert: &(impl Fn(Range<usize>, &mut [T]) -> S + Sync),
     merge: &(impl Fn(S, S) -> S + Sync),
-) -> Result<S, Cancelled>
-where
-    T: Send,
-    S: Default + Send,
-{
-    let tasks = slots
-        .par_chunks_mut(TASK_SURFELS * width)
-        .enumerate()
-        .map(|(task, slots)| {
-            job.check()?;
-            let task_start = block_start + task * TASK_SURFELS;
-            let pieces = slots.chunks_mut(PIECE_SURFELS * width).enumerate();
-            let pieces = pieces.map(|(piece, slots)| {
-                let start = task_start + piece * PIECE_SURFELS;
-                convert(start..start + slots.len() / width, slots)
-            });
-            Ok(pieces.fold(S::default(), merge))
-        });
-    tasks.try_reduce(S::default, |a, b| Ok(merge(a, b)))
-}
-
-/// A slice of zeros that nobody else has yet.
-pub(crate) fn zeroed_slice<T: Zeroable>(length: usize) -> Arc<[T]> {
-    // The length of this iterator is trusted, so the slice is written in place.
-    (0..length).map(|_| T::zeroed()).collect()
+) -> Result<S, Cancelled> {
+    job.check()?;
+    let pieces = slots.chunks_mut(PIECE_SURFELS * width).enumerate();
+    let pieces = pieces.map(|(piece, slots)| {
+        let start = first + piece * PIECE_SURFELS;
+        convert(start..start + slots.len() / width, slots)
+    });
+    Ok(pieces.fold(S::default(), merge))
 }
 
 #[cfg(test)]

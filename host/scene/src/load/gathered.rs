@@ -1,13 +1,7 @@
 //! Values of a column that come in runs: room is made for all that are announced, and runs are copied there on all cores.
 
+use super::memory::room;
 use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
-use rayon::prelude::*;
-
-/// Bytes copied by one thread at a time.
-const SEGMENT: usize = 1 << 17;
-
-/// Bytes of runs that are worth more threads than one.
-const MANY: usize = 1 << 19;
 
 /// The values of one column.
 #[derive(Debug)]
@@ -16,20 +10,11 @@ pub(super) struct Gathered {
     width: usize,
     /// Bytes that a part may hold.
     part_bytes: usize,
-    parts: Vec<Part>,
+    parts: Vec<Vec<u8>>,
 }
 
-/// Values that lie together.
-#[derive(Debug, Default)]
-struct Part {
-    /// What has come, then zeros where what is announced will go.
-    bytes: Vec<u8>,
-    /// What has come.
-    filled: usize,
-}
-
-/// What is to be copied where.
-pub(super) type Copy<'a> = (&'a mut [u8], &'a [u8]);
+/// What goes behind what.
+pub(super) type Copies<'a> = Vec<(&'a mut Vec<u8>, &'a [u8])>;
 
 impl Gathered {
     /// All values lie together.
@@ -56,73 +41,42 @@ impl Gathered {
         self.parts.clear();
         while left > 0 {
             let part = left.min(self.part_bytes);
-            self.parts.push(Part {
-                bytes: bytemuck::zeroed_vec(part),
-                filled: 0,
-            });
+            self.parts.push(room(part));
             left -= part;
         }
     }
 
-    /// Takes the values of some surfels, whole ones. Those for which there is room are left to [`copy`].
-    pub(super) fn add<'a>(&'a mut self, mut values: &'a [u8], copies: &mut Vec<Copy<'a>>) {
+    /// Notes where the values of some surfels, whole ones, are to be copied; [`append`](super::memory::append) does it.
+    pub(super) fn add<'a>(&'a mut self, mut values: &'a [u8], copies: &mut Copies<'a>) {
         let part_bytes = self.part_bytes;
-        let room: usize = self
-            .parts
-            .iter()
-            .map(|part| part_bytes.saturating_sub(part.filled))
-            .fold(0, usize::saturating_add);
-        let beyond = values.len().saturating_sub(room);
-        let more = beyond.div_ceil(part_bytes.max(1));
+        let free = |part: &Vec<u8>| part_bytes - part.len();
+        let room = self.parts.iter().map(free).fold(0, usize::saturating_add);
+        let more = values.len().saturating_sub(room).div_ceil(part_bytes);
         self.parts
-            .extend(std::iter::repeat_with(Part::default).take(more));
+            .extend(std::iter::repeat_with(Vec::new).take(more));
         for part in &mut self.parts {
-            let own = values.len().min(part_bytes - part.filled);
-            let (now, later) = values.split_at(own);
+            let (now, later) = values.split_at(values.len().min(free(part)));
             values = later;
-            if own == 0 {
-                continue;
-            }
-            let start = part.filled;
-            part.filled += own;
-            if part.bytes.len() >= part.filled {
-                copies.push((&mut part.bytes[start..part.filled], now));
-            } else {
-                part.bytes.truncate(start);
-                part.bytes.extend_from_slice(now);
+            if !now.is_empty() {
+                copies.push((part, now));
             }
         }
     }
 
     /// The parts, without the room that was left.
     pub(super) fn into_parts(self) -> impl Iterator<Item = Vec<u8>> {
-        let parts = self.parts.into_iter().filter(|part| part.filled > 0);
+        let parts = self.parts.into_iter().filter(|part| !part.is_empty());
         parts.map(|mut part| {
-            part.bytes.truncate(part.filled);
-            part.bytes.shrink_to_fit();
-            part.bytes
+            part.shrink_to_fit();
+            part
         })
     }
-}
-
-/// Copies all.
-pub(super) fn copy(copies: Vec<Copy<'_>>) {
-    let bytes: usize = copies.iter().map(|(_, from)| from.len()).sum();
-    if bytes < MANY {
-        for (to, from) in copies {
-            to.copy_from_slice(from);
-        }
-        return;
-    }
-    copies.into_par_iter().for_each(|(to, from)| {
-        let segments = to.par_chunks_mut(SEGMENT).zip(from.par_chunks(SEGMENT));
-        segments.for_each(|(to, from)| to.copy_from_slice(from));
-    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load::memory::append;
 
     /// Values of `surfels` surfels, handed over in runs of `run`.
     fn gather(mut gathered: Gathered, width: usize, surfels: usize, run: usize) -> Vec<Vec<u8>> {
@@ -130,7 +84,7 @@ mod tests {
         for values in all.chunks(run * width) {
             let mut copies = Vec::new();
             gathered.add(values, &mut copies);
-            copy(copies);
+            append(copies);
         }
         gathered.into_parts().collect()
     }

@@ -12,6 +12,7 @@ pub(crate) mod fill;
 mod gathered;
 mod loader;
 mod loaders;
+pub(crate) mod memory;
 mod not_read;
 mod object_builder;
 mod ply;

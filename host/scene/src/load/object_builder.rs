@@ -12,8 +12,9 @@ use super::assemble::{
     MOST_VERTICES, Roles, Table, TableColumn, Triangles, build, finish,
 };
 use super::error::LoadStop;
-use super::gathered::{Gathered, copy};
+use super::gathered::Gathered;
 use super::loader::Contents;
+use super::memory::append;
 use crate::geometry::{NamedColumn, ScalarType};
 use crate::job::Job;
 use crate::textures::NO_PICTURE;
@@ -251,7 +252,7 @@ impl ObjectBuilder {
         for ((_, own), bytes) in self.columns.iter_mut().zip(columns) {
             own.add(bytes, &mut copies);
         }
-        copy(copies);
+        append(copies);
         self.rows += rows;
         Ok(())
     }
@@ -436,7 +437,7 @@ fn add_named(spec: &ColumnSpec, values: Gathered, built: &mut Built) {
                 .collect();
             let mut copies = Vec::new();
             kept.add(&own, &mut copies);
-            copy(copies);
+            append(copies);
         }
         values = kept;
     }

@@ -238,8 +238,8 @@ fn add_colours(
                 Some(field) if field.scalar == ScalarType::I8 => {
                     piece.values[component][index] as i8 as u8
                 }
-                // Saturates, and NaN gives 0.
-                Some(_) => (piece.values[component][index] * scales[component] + 0.5).floor() as u8,
+                // Cut towards 0, which is the floor of what is not below 0; saturates, and NaN gives 0.
+                Some(_) => (piece.values[component][index] * scales[component] + 0.5) as u8,
             };
             *slot = u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]);
         }

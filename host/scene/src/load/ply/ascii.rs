@@ -25,7 +25,7 @@ use crate::load::assemble::{
     ByteOrder, CornerLists, Corners, FaceData, FaceKind, Table, Triangles, corner_from,
     write_native,
 };
-use crate::load::fill::zeroed_slice;
+use crate::load::memory::zeroed_slice;
 use crate::load::source::Source;
 use crate::warnings::{WarningKind, Warnings};
 

@@ -8,7 +8,7 @@ use super::header::{Element, PropertyKind};
 use crate::geometry::ScalarType;
 use crate::job::{Cancelled, Job};
 use crate::load::assemble::{ByteOrder, Triangles, corner_from, read_integer};
-use crate::load::fill::zeroed_slice;
+use crate::load::memory::zeroed_slice;
 
 /// Rows converted between two looks at the cancel flag.
 const ROWS_A_PIECE: usize = 1 << 16;
