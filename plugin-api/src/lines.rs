@@ -85,26 +85,86 @@ impl<'a> Iterator for Lines<'a> {
 
 impl<'a> Line<'a> {
     /// What stands between spaces and tabs.
-    pub fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let is_blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c);
-        let mut rest = self.text;
-        std::iter::from_fn(move || {
-            while let [first, behind @ ..] = rest
-                && is_blank(first)
-            {
-                rest = behind;
-            }
-            let length = rest.iter().position(is_blank).unwrap_or(rest.len());
-            let (word, behind) = rest.split_at(length);
-            rest = behind;
-            (!word.is_empty()).then_some(word)
-        })
+    pub fn words(&self) -> Words<'a> {
+        Words { rest: self.text }
     }
 
     /// The line for a message: at most 40 bytes, escaped.
     pub fn excerpt(&self) -> String {
         excerpt(self.text)
     }
+}
+
+/// The words of a line that have not been read yet.
+#[derive(Clone, Debug)]
+pub struct Words<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Words<'a> {
+    /// What is left of the line, from the next word on.
+    #[inline]
+    pub fn rest(&mut self) -> &'a [u8] {
+        while let [first, behind @ ..] = self.rest
+            && is_blank(*first)
+        {
+            self.rest = behind;
+        }
+        self.rest
+    }
+
+    /// Passes over so many bytes of what is left.
+    #[inline]
+    pub fn advance(&mut self, bytes: usize) {
+        self.rest = self.rest.get(bytes..).unwrap_or_default();
+    }
+
+    /// The next word as a number; `None` if there is no word or it is no number, which is passed over then.
+    #[inline]
+    pub fn number(&mut self) -> Option<f64> {
+        self.scan(scan_f64, number)
+    }
+
+    /// The next word as a whole number; `None` if there is no word or it is none, which is passed over then.
+    #[inline]
+    pub fn integer(&mut self) -> Option<i64> {
+        self.scan(scan_i64, integer)
+    }
+
+    /// What nearly every number looks like need not be cut out first.
+    #[inline]
+    fn scan<T>(
+        &mut self,
+        scan: impl Fn(&[u8]) -> Option<(T, usize)>,
+        read: impl Fn(&[u8]) -> Option<T>,
+    ) -> Option<T> {
+        let rest = self.rest();
+        if let Some((value, length)) = scan(rest)
+            && let behind = &rest[length..]
+            && behind.first().is_none_or(|byte| is_blank(*byte))
+        {
+            self.rest = behind;
+            return Some(value);
+        }
+        self.next().and_then(read)
+    }
+}
+
+impl<'a> Iterator for Words<'a> {
+    type Item = &'a [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = self.rest();
+        let length = rest.iter().position(|byte| is_blank(*byte));
+        let (word, behind) = rest.split_at(length.unwrap_or(rest.len()));
+        self.rest = behind;
+        (!word.is_empty()).then_some(word)
+    }
+}
+
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | 0x0b | 0x0c)
 }
 
 /// The number that a word is, if it is one: `1`, `-2.5e3`, `+.5`, `nan`, `inf`.
@@ -166,6 +226,20 @@ mod tests {
             (Some(1.0), Some(-2500.0), None)
         );
         assert!(number(words[2]).is_some_and(f64::is_nan));
+        let mut words = Lines::new(b" 7 -2.5e3 7.0 x9 1e400 12a 5 ")
+            .next()
+            .expect("one line")
+            .words();
+        assert_eq!((words.integer(), words.number()), (Some(7), Some(-2500.0)));
+        assert_eq!((words.integer(), words.number()), (None, None));
+        assert_eq!(
+            (words.number(), words.number()),
+            (Some(f64::INFINITY), None)
+        );
+        assert_eq!(
+            (words.rest(), words.next(), words.number()),
+            (&b"5 "[..], Some(&b"5"[..]), None)
+        );
         assert_eq!(
             (integer(b"-7"), integer(b"7.0"), integer(b"\xff")),
             (Some(-7), None, None)

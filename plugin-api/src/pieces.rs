@@ -65,17 +65,26 @@ pub struct Text<'t> {
     stage: &'t str,
     part: Range<f32>,
     may_begin: fn(&[u8], usize) -> bool,
+    start: usize,
 }
 
 impl<'t> Text<'t> {
     /// What `lines` has not read yet; `stage` tells people what is being done.
     pub fn new(lines: Lines<'t>, stage: &'t str) -> Self {
         Self {
+            start: lines.position(),
             lines,
             stage,
             part: 0.0..1.0,
             may_begin: |_, _| true,
         }
+    }
+
+    /// Begins at byte `start`, where a line begins, instead of where `lines` stands.
+    #[must_use]
+    pub fn from_byte(mut self, start: usize) -> Self {
+        self.start = start;
+        self
     }
 
     /// Part of the whole work that this is; 0 to 1 otherwise.
@@ -114,7 +123,7 @@ impl<'t> Text<'t> {
         mut take: impl FnMut(T) -> Result<()>,
     ) -> Result<()> {
         let text = self.lines.text();
-        let first = self.piece(self.lines.position());
+        let first = self.piece(self.start);
         let pieces = std::iter::successors(first, |piece| self.piece(piece.end));
         in_order(
             threads,
@@ -410,8 +419,12 @@ mod tests {
         }
         let mut lines = Lines::new(&text);
         lines.nth(9);
-        for threads in [1, 3] {
-            let result = Text::new(lines.clone(), "").read_on(
+        let mut later = lines.clone();
+        later.nth(50_000);
+        let whole = Text::new(lines, "");
+        let rest = whole.clone().from_byte(later.position());
+        for (text, threads) in [(&whole, 1), (&whole, 3), (&rest, 2)] {
+            let result = text.read_on(
                 threads,
                 &Progress::new(&endless()),
                 |mut lines| match lines.find(|line| line.text.starts_with(b"x")) {

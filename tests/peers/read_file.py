@@ -1,9 +1,11 @@
 """How long other readers take for a file, and in how much memory.
 
-    python read_file.py FILE RUNS
+    python read_file.py FILE RUNS [--without NAME ...]
 
 Prints JSON: {name: {"seconds": [...], "peak_bytes": n, "vertices": n, "triangles": n}}. Readers that are not installed are
-left out, and so are those that do not know the format or cannot read the file (then with a line on standard error). Each reader has a process of its own; imports and one first load do not count. The peak is the largest resident
+left out, and so are those that do not know the format. Of those that cannot read the file, or not within a minute, there are no seconds,
+and a line on standard error. Each reader has a process of its own; imports and one first load do not count, but where that load takes
+longer than 3 s, it is the only one. The peak is the largest resident
 size of that process less the one before the loads. trimesh runs with process=False, which is its fastest way.
 laspy and pye57 have read when positions, and the colours that there are, stand in arrays.
 Install with: pip install numpy trimesh open3d vtk pymeshlab "laspy[lazrs]" pye57; CloudCompare is a program of its own (Debian's package
@@ -153,6 +155,15 @@ CLOUDCOMPARE = "CloudCompare"
 # A reader that takes this long runs once: trimesh takes 14 s for the million-vertex brain as text.
 SLOW_SECONDS = 3
 
+# A reader that takes this long for a load is stopped: CloudCompare takes minutes for the brain's STL.
+GIVEN_UP_SECONDS = 60
+
+# What imports may take beside it.
+START_SECONDS = 15
+
+# A reader that cannot read the file.
+NOT_READ = {"seconds": [], "peak_bytes": 0, "vertices": 0, "triangles": 0}
+
 
 def resident_bytes():
     with open("/proc/self/statm") as statm:
@@ -178,13 +189,15 @@ def measure(name, path, runs):
 
 def cloudcompare(path):
     """Seconds that CloudCompare took for a file, and the largest resident size of all its runs so far."""
-    command = [CLOUDCOMPARE, "-SILENT", "-AUTO_SAVE", "OFF", "-O", os.path.abspath(path)]
+    command = ["timeout", str(GIVEN_UP_SECONDS), CLOUDCOMPARE, "-SILENT", "-AUTO_SAVE", "OFF", "-O", os.path.abspath(path)]
     with tempfile.TemporaryDirectory() as folder:
         # It writes no result, but might a log.
         run = subprocess.run(
             command, capture_output=True, text=True, cwd=folder, env=os.environ | {"QT_QPA_PLATFORM": "offscreen"}
         )
     found = re.search(r"finished in ([0-9.]+) s", run.stdout)
+    if not found:
+        sys.exit(f"read nothing in {GIVEN_UP_SECONDS} s")
     counts = re.search(r"mesh with ([0-9]+) faces and ([0-9]+) vertices", run.stdout)
     points = re.search(r"cloud with ([0-9]+) points", run.stdout)
     triangles, vertices = counts.groups() if counts else (0, points[1] if points else 0)
@@ -198,7 +211,9 @@ def measure_cloudcompare(path, runs):
         tiny.write("end_header\n0 0 0\n")
         tiny.flush()
         before = cloudcompare(tiny.name)[1]
-    results = [cloudcompare(path) for _ in range(runs)]
+    results = [cloudcompare(path)]
+    if results[0][0] <= SLOW_SECONDS:
+        results += [cloudcompare(path) for _ in range(runs - 1)]
     _, peak, vertices, triangles = results[-1]
     return {
         "seconds": [seconds for seconds, *_ in results],
@@ -208,20 +223,28 @@ def measure_cloudcompare(path, runs):
     }
 
 
+def measured(name):
+    """What a process of its own says of a reader."""
+    command = [sys.executable, __file__, *sys.argv[1:3], name]
+    try:
+        child = subprocess.run(command, capture_output=True, text=True, timeout=GIVEN_UP_SECONDS + START_SECONDS)
+    except subprocess.TimeoutExpired:
+        print(f"{name}: stopped after {GIVEN_UP_SECONDS} s", file=sys.stderr)
+        return NOT_READ
+    if child.returncode == 0 and '"vertices": 0' not in child.stdout:
+        return json.loads(child.stdout.strip().splitlines()[-1])
+    print(f"{name}: {child.stderr.strip()[-300:] or 'read nothing'}", file=sys.stderr)
+    return NOT_READ
+
+
 def main():
-    if len(sys.argv) == 4:
+    if len(sys.argv) == 4 and sys.argv[3] != "--without":
         of_reader = measure_cloudcompare if sys.argv[3] == CLOUDCOMPARE else functools.partial(measure, sys.argv[3])
         print(json.dumps(of_reader(sys.argv[1], int(sys.argv[2]))))
         return
-    results = {}
-    for name in [*READERS, *filter(shutil.which, [CLOUDCOMPARE])]:
-        if FORMAT not in FORMATS[name]:
-            continue
-        child = subprocess.run([sys.executable, __file__, *sys.argv[1:3], name], capture_output=True, text=True)
-        if child.returncode == 0 and '"vertices": 0' not in child.stdout:
-            results[name] = json.loads(child.stdout.strip().splitlines()[-1])
-        else:
-            print(f"{name}: {child.stderr.strip()[-300:] or 'read nothing'}", file=sys.stderr)
+    without = sys.argv[4:]
+    names = [*READERS, *filter(shutil.which, [CLOUDCOMPARE])]
+    results = {name: measured(name) for name in names if FORMAT in FORMATS[name] and name not in without}
     print(json.dumps(results))
 
 

@@ -56,6 +56,16 @@ impl Mesh {
         self.take_light(&sums, Meets::Replaces);
     }
 
+    /// Adds vertices and polygons that follow.
+    pub(crate) fn append(&mut self, piece: &Self) {
+        self.positions.extend_from_slice(&piece.positions);
+        self.normals.extend_from_slice(&piece.normals);
+        self.colours.extend_from_slice(&piece.colours);
+        self.uvs.extend_from_slice(&piece.uvs);
+        self.lengths.extend_from_slice(&piece.lengths);
+        self.corners.extend_from_slice(&piece.corners);
+    }
+
     /// Hands everything over.
     pub(crate) fn write(&self, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<()> {
         let count = self.positions.len();

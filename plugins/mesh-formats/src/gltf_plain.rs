@@ -204,7 +204,7 @@ impl<'b> PlainPart<'b> {
                 write_in_runs(count / 3, triangle, out, progress)
             }
             Corners::U16(corners) => {
-                let triangle = |index: usize| turned(shorts(&corners[index]).map(u32::from));
+                let triangle = |index: usize| turned(shorts(corners[index]).map(u32::from));
                 write_in_runs(corners.len(), triangle, out, progress)
             }
             Corners::U32(corners) => {
@@ -245,6 +245,6 @@ fn words(&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; 12]) -> [u32; 3] {
     [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(u32::from_le_bytes)
 }
 
-fn shorts(&[a, b, c, d, e, f]: &[u8; 6]) -> [u16; 3] {
+fn shorts([a, b, c, d, e, f]: [u8; 6]) -> [u16; 3] {
     [[a, b], [c, d], [e, f]].map(u16::from_le_bytes)
 }

@@ -8,6 +8,7 @@ mod gltf_plain;
 mod gltf_scene;
 mod mtl;
 mod obj;
+mod obj_lines;
 mod off;
 mod stl;
 mod textured;

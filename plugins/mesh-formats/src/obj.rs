@@ -6,23 +6,18 @@
 //! (`map_Kd`), else the diffuse colour (`Kd`). Where no face has a texture, colours behind the coordinates of `v`, as many scanners
 //! write them, come before diffuse colours.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 
-use pointstage_plugin_api::lines::{Line, Lines, integer, number};
+use pointstage_plugin_api::lines::Lines;
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
+use pointstage_plugin_api::pieces::Text;
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 use pointstage_texels::{Material, NO_MATERIAL, Wrap, linear};
 
 use crate::columns::Mesh;
-use crate::mtl::{Materials, Texture, rest_of};
+use crate::mtl::{Materials, Texture};
+use crate::obj_lines::{Corner, Event, NO_VERTEX, Piece, may_begin, read_lines};
 use crate::textured::{Meets, Pictures, Textured, Textures};
-
-/// Lines read between two looks at the cancel flag.
-const LINES_A_PIECE: u64 = 1 << 14;
-
-/// Names no vertex; the host drops the face and counts it.
-const NO_VERTEX: u32 = u32::MAX;
 
 /// What lines may begin with.
 const KEYWORDS: [&[u8]; 14] = [
@@ -49,7 +44,7 @@ impl Loader for ObjLoader {
     }
 
     fn load(
-        _host: &Host,
+        host: &Host,
         file: &SourceFile<'_>,
         settings: Settings<'_>,
         out: &mut Output<'_>,
@@ -64,19 +59,12 @@ impl Loader for ObjLoader {
             },
             ..Reader::default()
         };
-        let mut lines = Lines::new(file.bytes);
-        while let Some(line) = lines.next() {
-            if line.number % LINES_A_PIECE == 0 {
-                progress.check()?;
-                progress.set(lines.fraction(), "reading lines");
-            }
-            let text = join_continued(line, &mut lines);
-            let line = Line {
-                text: &text,
-                ..line
-            };
-            reader.read_line(&line, file, out)?;
-        }
+        Text::new(Lines::new(file.bytes), "reading lines")
+            .with_begin(may_begin)
+            .read(host, progress, read_lines, |piece| {
+                reader.add(piece, file, out);
+                Ok(())
+            })?;
         if reader.mesh.positions.is_empty() {
             return Err(Error::failed(
                 "the file has no vertices (lines that begin with 'v'); there is nothing to show",
@@ -84,23 +72,6 @@ impl Loader for ObjLoader {
         }
         reader.finish(out, progress)?.write(out, progress)
     }
-}
-
-/// The line with those that follow it while each ends in a backslash.
-fn join_continued<'a>(line: Line<'a>, lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
-    let Some(begin) = line.text.strip_suffix(b"\\") else {
-        return Cow::Borrowed(line.text);
-    };
-    let mut joined = begin.to_vec();
-    for next in lines.by_ref() {
-        joined.push(b' ');
-        let part = next.text.strip_suffix(b"\\");
-        joined.extend_from_slice(part.unwrap_or(next.text));
-        if part.is_none() {
-            break;
-        }
-    }
-    Cow::Owned(joined)
 }
 
 /// The file as far as it has been read.
@@ -116,125 +87,100 @@ struct Reader {
     pictures: Pictures,
     /// What faces say of their colours; materials in the order in which they are first used.
     textured: Textured,
-    /// Indices of the materials that have been used, and what moves their texture coordinates.
-    used: HashMap<Vec<u8>, (u32, Option<Texture>)>,
+    /// What moves the texture coordinates of each of these materials.
+    moves: Vec<Option<Texture>>,
+    /// Indices of the materials that have been used.
+    used: HashMap<Vec<u8>, u32>,
     /// The material in use.
-    material: Option<(u32, Option<Texture>)>,
+    material: Option<u32>,
+    /// Corners of which something comes later in the file, or never: their place among the corners, and their material.
+    later: Vec<(usize, Corner, Option<u32>)>,
     lines_and_points: u64,
     unknown_materials: u64,
 }
 
 impl Reader {
-    fn read_line(
-        &mut self,
-        line: &Line<'_>,
-        file: &SourceFile<'_>,
-        out: &mut Output<'_>,
-    ) -> Result<()> {
-        let mut words = line.words();
-        match words.next() {
-            Some(b"v") => self.read_vertex(line),
-            Some(b"vn") => {
-                self.normals.push(numbers(line)?.map(|value| value as f32));
-                Ok(())
+    /// Adds the lines that follow.
+    fn add(&mut self, mut piece: Piece, file: &SourceFile<'_>, out: &mut Output<'_>) {
+        piece.resolve([
+            self.mesh.positions.len(),
+            self.uvs.len(),
+            self.normals.len(),
+        ]);
+        self.lines_and_points += piece.lines_and_points;
+        self.add_colours(&piece);
+        self.mesh.positions.extend_from_slice(&piece.positions);
+        self.uvs.extend_from_slice(&piece.uvs);
+        self.normals.extend_from_slice(&piece.normals);
+        let (mut face, mut corner) = (0, 0);
+        for (end, event) in &piece.events {
+            let lengths = &piece.lengths[face..*end];
+            self.add_faces(lengths, &piece, &mut corner);
+            face = *end;
+            match event {
+                Event::Library(name) if self.wants_materials => self.read_library(name, file, out),
+                Event::Library(_) => {}
+                Event::Material(name) => self.use_material(name, file, out),
             }
-            Some(b"vt") => {
-                let value = |word: Option<&[u8]>| word.map_or(Some(0.0), number);
-                match (words.next().and_then(number), value(words.next())) {
-                    (Some(u), Some(v)) => self.uvs.push([u as f32, v as f32]),
-                    _ => return Err(not_numbers(line, "1 to 3 numbers")),
-                }
-                Ok(())
-            }
-            Some(b"f" | b"fo") => self.read_face(line),
-            Some(b"l" | b"p") => {
-                self.lines_and_points += 1;
-                Ok(())
-            }
-            Some(b"mtllib") if self.wants_materials => {
-                self.read_library(rest_of(line.text, b"mtllib"), file, out);
-                Ok(())
-            }
-            Some(b"usemtl") => {
-                self.use_material(rest_of(line.text, b"usemtl"), file, out);
-                Ok(())
-            }
-            _ => Ok(()),
         }
+        self.add_faces(&piece.lengths[face..], &piece, &mut corner);
     }
 
-    /// `v x y z`, perhaps with a weight, or with red, green and blue.
-    fn read_vertex(&mut self, line: &Line<'_>) -> Result<()> {
-        let mut values = [0.0; 8];
-        let mut count = 0;
-        for word in line.words().skip(1) {
-            let value = number(word).filter(|_| count < values.len());
-            values[count] = value.ok_or_else(|| not_numbers(line, "3 to 7 numbers"))?;
-            count += 1;
-        }
-        if count < 3 {
-            return Err(not_numbers(line, "3 to 7 numbers"));
-        }
-        self.mesh.positions.push([values[0], values[1], values[2]]);
-        // A fourth number alone is a weight; behind a colour comes alpha.
-        let colour = (count >= 6).then(|| [values[3], values[4], values[5]]);
-        if colour.is_some() && !self.has_colours {
-            self.has_colours = true;
-            self.mesh.colours = vec![[1.0; 3]; self.mesh.positions.len() - 1];
-        }
+    /// Colours of the vertices that a piece adds; white for those without, once there are any.
+    fn add_colours(&mut self, piece: &Piece) {
+        let before = self.mesh.positions.len();
+        self.has_colours |= !piece.colours.is_empty();
         if self.has_colours {
-            let colour = colour.unwrap_or([1.0; 3]);
-            self.mesh.colours.push(colour.map(|value| value as f32));
+            self.mesh.colours.resize(before, [1.0; 3]);
+            self.mesh.colours.extend_from_slice(&piece.colours);
+            let count = before + piece.positions.len();
+            self.mesh.colours.resize(count, [1.0; 3]);
         }
-        Ok(())
     }
 
-    /// `f a b c …`, each corner as `v`, `v/vt`, `v//vn` or `v/vt/vn`; numbers from 1, or negative from the end.
-    fn read_face(&mut self, line: &Line<'_>) -> Result<()> {
-        let mut length = 0;
-        for word in line.words().skip(1) {
-            if word.starts_with(b"#") {
-                break;
-            }
-            let mut parts = word.split(|byte| *byte == b'/').map(|part| {
-                if part.is_empty() {
-                    Some(None)
-                } else {
-                    integer(part).map(Some)
-                }
-            });
-            let mut part = || parts.next().unwrap_or(Some(None));
-            let (Some(Some(vertex)), Some(uv), Some(normal)) = (part(), part(), part()) else {
-                return Err(not_numbers(line, "corners like 1, 1/2, 1//3 or 1/2/3"));
-            };
-            let corner = resolve(vertex, self.mesh.positions.len());
-            self.mesh.corners.push(corner);
-            length += 1;
-            self.note_corner(corner, uv, normal);
-        }
-        if length < 3 {
-            return Err(not_numbers(line, "three corners or more"));
-        }
-        if let Some((material, _)) = &self.material {
+    /// Adds faces of a piece, whose corners begin at `next`, with the material in use.
+    fn add_faces(&mut self, lengths: &[u32], piece: &Piece, next: &mut usize) {
+        let count: usize = lengths.iter().map(|length| *length as usize).sum();
+        let own = *next..*next + count;
+        *next = own.end;
+        if let Some(material) = self.material {
             let faces = &mut self.textured.faces;
             faces.resize(self.mesh.lengths.len(), NO_MATERIAL);
-            faces.push(*material);
+            faces.resize(self.mesh.lengths.len() + lengths.len(), material);
         }
-        self.mesh.lengths.push(length);
-        Ok(())
+        let first = self.mesh.corners.len();
+        self.mesh.lengths.extend_from_slice(lengths);
+        self.mesh
+            .corners
+            .extend_from_slice(&piece.corners[own.clone()]);
+        if piece.corner_uvs.is_empty() && piece.corner_normals.is_empty() {
+            return;
+        }
+        for (place, index) in (first..).zip(own) {
+            let corner = piece.corner(index);
+            if self.is_known(&corner) {
+                self.note_corner(place, &corner, self.material);
+            } else {
+                self.later.push((place, corner, self.material));
+            }
+        }
     }
 
-    /// What a corner says of its vertex.
-    fn note_corner(&mut self, corner: u32, uv: Option<i64>, normal: Option<i64>) {
-        let (vertex, count) = (corner as usize, self.mesh.positions.len());
+    /// Whether all that a corner names has been read.
+    fn is_known(&self, corner: &Corner) -> bool {
+        let is_known = |index: u32, count: usize| index == NO_VERTEX || (index as usize) < count;
+        is_known(corner.vertex, self.mesh.positions.len())
+            && is_known(corner.uv, self.uvs.len())
+            && is_known(corner.normal, self.normals.len())
+    }
+
+    /// What the corner at a place among all corners says of its vertex.
+    fn note_corner(&mut self, place: usize, corner: &Corner, material: Option<u32>) {
+        let (vertex, count) = (corner.vertex as usize, self.mesh.positions.len());
         if vertex >= count {
             return;
         }
-        let normal = normal.and_then(|index| {
-            self.normals
-                .get(resolve(index, self.normals.len()) as usize)
-        });
-        if let Some(normal) = normal {
+        if let Some(normal) = self.normals.get(corner.normal as usize) {
             if self.mesh.normals.len() <= vertex {
                 self.mesh.normals.resize(count, [0.0; 3]);
             }
@@ -242,26 +188,29 @@ impl Reader {
                 *sum += value;
             }
         }
-        let uv = uv.and_then(|index| self.uvs.get(resolve(index, self.uvs.len()) as usize));
-        if let Some(uv) = uv {
-            if self.mesh.uvs.len() <= vertex {
-                self.mesh.uvs.resize(count, [f32::NAN; 2]);
-            }
-            if self.mesh.uvs[vertex][0].is_nan() {
-                self.mesh.uvs[vertex] = *uv;
-            }
+        let Some(uv) = self.uvs.get(corner.uv as usize) else {
+            return;
+        };
+        if self.mesh.uvs.len() <= vertex {
+            self.mesh.uvs.resize(count, [f32::NAN; 2]);
         }
-        if let (Some(uv), Some((_, Some(texture)))) = (uv, &self.material) {
+        if self.mesh.uvs[vertex][0].is_nan() {
+            self.mesh.uvs[vertex] = *uv;
+        }
+        let texture = material.and_then(|material| self.moves.get(material as usize)?.as_ref());
+        if let Some(texture) = texture {
             let uvs = &mut self.textured.uvs;
-            uvs.resize(self.mesh.corners.len() - 1, [f32::NAN; 2]);
-            uvs.push(texture.place(*uv));
+            if uvs.len() <= place {
+                uvs.resize(place + 1, [f32::NAN; 2]);
+            }
+            uvs[place] = texture.place(*uv);
         }
     }
 
     /// Takes the material `name` for the faces that follow.
     fn use_material(&mut self, name: &[u8], file: &SourceFile<'_>, out: &mut Output<'_>) {
         if let Some(known) = self.used.get(name) {
-            self.material = Some(known.clone());
+            self.material = Some(*known);
             return;
         }
         let described = self.materials.all.get(name).cloned();
@@ -293,9 +242,9 @@ impl Reader {
             let texture = texture.filter(|_| material.picture.is_some());
             let index = self.textured.materials.len() as u32;
             self.textured.materials.push(material);
-            let known = (index, texture);
-            self.used.insert(name.to_vec(), known.clone());
-            Some(known)
+            self.moves.push(texture);
+            self.used.insert(name.to_vec(), index);
+            Some(index)
         });
     }
 
@@ -314,6 +263,9 @@ impl Reader {
     /// The mesh, with every column as long as there are vertices.
     fn finish(mut self, out: &mut Output<'_>, progress: &Progress<'_>) -> Result<Mesh> {
         let count = self.mesh.positions.len();
+        for (place, corner, material) in std::mem::take(&mut self.later) {
+            self.note_corner(place, &corner, material);
+        }
         if !self.mesh.normals.is_empty() {
             self.mesh.normals.resize(count, [0.0; 3]);
         }
@@ -336,34 +288,4 @@ impl Reader {
         );
         Ok(self.mesh)
     }
-}
-
-/// An index from 0 of a number from 1, or of a negative one from the end.
-fn resolve(number: i64, count: usize) -> u32 {
-    let index = match number {
-        1.. => number - 1,
-        0 => -1,
-        _ => count as i64 + number,
-    };
-    u32::try_from(index).unwrap_or(NO_VERTEX)
-}
-
-/// The three numbers behind a keyword.
-fn numbers(line: &Line<'_>) -> Result<[f64; 3]> {
-    let mut values = [0.0; 3];
-    let mut words = line.words().skip(1);
-    for value in &mut values {
-        let word = words.next().and_then(number);
-        *value = word.ok_or_else(|| not_numbers(line, "3 numbers"))?;
-    }
-    Ok(values)
-}
-
-fn not_numbers(line: &Line<'_>, expected: &str) -> Error {
-    let keyword = line.words().next().unwrap_or_default().escape_ascii();
-    Error::failed(format!(
-        "line {}: expected {expected} behind '{keyword}', found '{}'; correct that line or export the file again",
-        line.number,
-        line.excerpt()
-    ))
 }

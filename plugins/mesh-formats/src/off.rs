@@ -7,15 +7,15 @@
 //! or to 1 where no face has a larger one), in linear light and weighted by area. A single number behind the corners names a colour
 //! of a map that no file holds.
 
-use pointstage_plugin_api::lines::{Line, Lines, excerpt, integer, number};
+use std::ops::Range;
+
+use pointstage_plugin_api::lines::{Line, Lines, excerpt};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
+use pointstage_plugin_api::pieces::{Fault, Text};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 use pointstage_texels::linear;
 
 use crate::columns::Mesh;
-
-/// Lines read between two looks at the cancel flag.
-const LINES_A_PIECE: u64 = 1 << 14;
 
 /// The loader of OFF files.
 pub struct OffLoader;
@@ -60,20 +60,21 @@ impl Loader for OffLoader {
     }
 
     fn load(
-        _host: &Host,
+        host: &Host,
         file: &SourceFile<'_>,
         _settings: Settings<'_>,
         out: &mut Output<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
-        let mut lines = Filled {
-            lines: Lines::new(file.bytes),
-            last: 0,
-            held: None,
-        };
+        let mut lines = Filled::new(Lines::new(file.bytes));
         let (kind, counts) = header(&mut lines, file.bytes)?;
-        let mesh = read(kind, counts, &mut lines, out, progress)?;
-        mesh.write(out, progress)
+        let body = Body {
+            file: file.bytes,
+            lines: lines.lines,
+            host,
+            progress,
+        };
+        body.read(kind, counts, out)?.write(out, progress)
     }
 }
 
@@ -86,37 +87,38 @@ fn first_word(text: &[u8]) -> Option<&[u8]> {
 /// Lines that hold something, without comments.
 struct Filled<'a> {
     lines: Lines<'a>,
-    /// Number of the last line.
-    last: u64,
     /// The rest of a line of which the first word has been read.
     held: Option<Line<'a>>,
 }
 
 impl<'a> Filled<'a> {
+    fn new(lines: Lines<'a>) -> Self {
+        Self { lines, held: None }
+    }
+}
+
+impl<'a> Iterator for Filled<'a> {
+    type Item = Line<'a>;
+
     fn next(&mut self) -> Option<Line<'a>> {
         if let Some(line) = self.held.take() {
             return Some(line);
         }
         for line in self.lines.by_ref() {
-            self.last = line.number;
-            let end = line.text.iter().position(|byte| *byte == b'#');
+            let end = memchr::memchr(b'#', line.text);
             let text = &line.text[..end.unwrap_or(line.text.len())];
-            if !text.trim_ascii().is_empty() {
+            if !text.trim_ascii_start().is_empty() {
                 return Some(Line { text, ..line });
             }
         }
         None
     }
+}
 
-    fn expect(&mut self, what: &str, row: usize, rows: u64) -> Result<Line<'a>> {
-        let last = self.last;
-        self.next().ok_or_else(|| {
-            Error::failed(format!(
-                "line {last}: expected {what} {} of {rows}, found the end of the file; the file is truncated, copy it again",
-                row + 1
-            ))
-        })
-    }
+fn ended(last: u64, what: &str, row: u64, rows: u64) -> Error {
+    Error::failed(format!(
+        "line {last}: expected {what} {row} of {rows}, found the end of the file; the file is truncated, copy it again"
+    ))
 }
 
 /// The kind, and the numbers of vertices and faces.
@@ -149,12 +151,10 @@ fn header(lines: &mut Filled<'_>, file: &[u8]) -> Result<(Kind, [u64; 2])> {
     if !rest.trim_ascii().is_empty() {
         lines.held = Some(Line { text: rest, ..line });
     }
-    let line = lines.expect("the line of counts", 0, 1)?;
+    let line = lines.next();
+    let line = line.ok_or_else(|| ended(lines.lines.number(), "the line of counts", 1, 1))?;
     let mut words = line.words();
-    let mut count = || {
-        let value = words.next().and_then(integer);
-        value.and_then(|value| u64::try_from(value).ok())
-    };
+    let mut count = || words.integer().and_then(|value| u64::try_from(value).ok());
     match (count(), count()) {
         (Some(vertices), Some(faces)) => Ok((kind, [vertices, faces])),
         _ => Err(Error::failed(format!(
@@ -165,43 +165,129 @@ fn header(lines: &mut Filled<'_>, file: &[u8]) -> Result<(Kind, [u64; 2])> {
     }
 }
 
-fn read(
-    kind: Kind,
-    [vertex_count, face_count]: [u64; 2],
-    lines: &mut Filled<'_>,
-    out: &mut Output<'_>,
-    progress: &Progress<'_>,
-) -> Result<Mesh> {
-    let mut mesh = Mesh::default();
-    let fail = |line: &Line<'_>, what: &str, expected: &str| {
-        Error::failed(format!(
-            "line {}: expected {expected} of {what}, found '{}'; correct that line or export the file again",
-            line.number,
-            line.excerpt()
-        ))
-    };
-    let look = |lines: &Filled<'_>, row: u64| {
-        if row.is_multiple_of(LINES_A_PIECE) {
-            progress.set(lines.lines.fraction(), "reading lines");
-            return progress.check();
+/// What follows the header.
+struct Body<'b> {
+    file: &'b [u8],
+    /// Behind the header.
+    lines: Lines<'b>,
+    host: &'b Host,
+    progress: &'b Progress<'b>,
+}
+
+impl<'b> Body<'b> {
+    fn read(
+        &self,
+        kind: Kind,
+        [vertex_count, face_count]: [u64; 2],
+        out: &mut Output<'_>,
+    ) -> Result<Mesh> {
+        if vertex_count == 0 {
+            return Err(Error::failed(
+                "the file has 0 vertices; there is nothing to show",
+            ));
         }
-        Ok(())
-    };
-    if vertex_count == 0 {
-        return Err(Error::failed(
-            "the file has 0 vertices; there is nothing to show",
-        ));
+        let counted = self.counted()?;
+        let found: u64 = counted.iter().map(|(_, count)| count).sum();
+        let [vertices, faces] = [vertex_count, vertex_count.saturating_add(face_count)]
+            .map(|rows| self.end_of_row(rows, &counted));
+        let mut mesh = Mesh::default();
+        self.text(self.lines.position(), vertices, 0.1..0.5).read(
+            self.host,
+            self.progress,
+            |lines| read_vertices(lines, kind),
+            |piece| {
+                mesh.append(&piece);
+                Ok(())
+            },
+        )?;
+        if found < vertex_count {
+            return Err(self.ended("vertex", found, vertex_count));
+        }
+        let mut colours = FaceColours::default();
+        self.text(vertices, faces, 0.5..1.0).read(
+            self.host,
+            self.progress,
+            read_faces,
+            |(piece, piece_colours)| {
+                colours.append(&piece_colours, mesh.lengths.len());
+                mesh.append(&piece);
+                Ok(())
+            },
+        )?;
+        if found - vertex_count < face_count {
+            return Err(self.ended("face", found - vertex_count, face_count));
+        }
+        colours.give(kind, &mut mesh, out);
+        Ok(mesh)
     }
+
+    /// Byte where each piece of the body ends, and its rows.
+    fn counted(&self) -> Result<Vec<(usize, u64)>> {
+        let mut end = self.lines.position();
+        let mut counted = Vec::new();
+        let text = Text::new(self.lines.clone(), "counting lines").with_part(0.0..0.1);
+        let count = |lines: Lines<'b>| {
+            let mut filled = Filled::new(lines);
+            let count = filled.by_ref().count() as u64;
+            Ok((filled.lines.position(), count))
+        };
+        text.read(self.host, self.progress, count, |(bytes, count)| {
+            end += bytes;
+            counted.push((end, count));
+            Ok(())
+        })?;
+        Ok(counted)
+    }
+
+    /// Byte behind the first `rows` rows, or the end of the file.
+    fn end_of_row(&self, rows: u64, counted: &[(usize, u64)]) -> usize {
+        let (mut start, mut before) = (self.lines.position(), 0);
+        for &(end, count) in counted {
+            if before + count >= rows {
+                let mut filled = Filled::new(Lines::new(&self.file[start..end]));
+                for _ in before..rows {
+                    filled.next();
+                }
+                return start + filled.lines.position();
+            }
+            (start, before) = (end, before + count);
+        }
+        self.file.len()
+    }
+
+    /// Lines between two bytes.
+    fn text(&self, start: usize, end: usize, part: Range<f32>) -> Text<'b> {
+        Text::new(self.lines.clone().until(end), "reading lines")
+            .from_byte(start)
+            .with_part(part)
+    }
+
+    fn ended(&self, what: &str, found: u64, rows: u64) -> Error {
+        ended(Lines::new(self.file).count() as u64, what, found + 1, rows)
+    }
+}
+
+fn fault(line: &Line<'_>, what: &str, expected: &str) -> Fault {
+    let found = line.excerpt();
+    Fault::new(
+        line,
+        format!(
+            "expected {expected} of {what}, found '{found}'; correct that line or export the file again"
+        ),
+    )
+}
+
+fn read_vertices(lines: Lines<'_>, kind: Kind) -> Result<Mesh, Fault> {
+    let least = 3 + 3 * usize::from(kind.has_normal) + 3 * usize::from(kind.has_colour);
+    let least = least + 2 * usize::from(kind.has_uv);
+    let mut mesh = Mesh::default();
     let mut values: Vec<f64> = Vec::new();
-    for row in 0..vertex_count {
-        look(lines, row)?;
-        let line = lines.expect("vertex", row as usize, vertex_count)?;
+    for line in Filled::new(lines) {
         values.clear();
-        values.extend(line.words().map_while(number));
-        let least = 3 + 3 * usize::from(kind.has_normal) + 3 * usize::from(kind.has_colour);
-        let least = least + 2 * usize::from(kind.has_uv);
+        let mut words = line.words();
+        values.extend(std::iter::from_fn(|| words.number()));
         if values.len() < least {
-            return Err(fail(&line, "a vertex", &format!("{least} numbers")));
+            return Err(fault(&line, "a vertex", &format!("{least} numbers")));
         }
         mesh.positions.push([values[0], values[1], values[2]]);
         let mut rest = &values[3..];
@@ -219,57 +305,81 @@ fn read(
             mesh.uvs.push([u as f32, v as f32]);
         }
     }
-    let mut colours: Vec<Option<[f32; 4]>> = Vec::new();
-    let mut indexed = 0;
-    for row in 0..face_count {
-        look(lines, row)?;
-        let line = lines.expect("face", row as usize, face_count)?;
+    Ok(mesh)
+}
+
+fn read_faces(lines: Lines<'_>) -> Result<(Mesh, FaceColours), Fault> {
+    let mut mesh = Mesh::default();
+    let mut colours = FaceColours::default();
+    for line in Filled::new(lines) {
         let mut words = line.words();
-        let length = words
-            .next()
-            .and_then(integer)
-            .and_then(|length| u32::try_from(length).ok());
-        let length = length.ok_or_else(|| fail(&line, "a face", "the number of corners"))?;
+        let length = words.integer();
+        let length = length.and_then(|length| u32::try_from(length).ok());
+        let length = length.ok_or_else(|| fault(&line, "a face", "the number of corners"))?;
         for _ in 0..length {
-            let corner = words.next().and_then(integer);
-            let corner = corner.ok_or_else(|| {
-                fail(
-                    &line,
-                    "a face",
-                    &format!("{length} corners behind their number"),
-                )
+            let corner = words.integer().ok_or_else(|| {
+                let expected = format!("{length} corners behind their number");
+                fault(&line, "a face", &expected)
             })?;
             // What names no vertex is dropped by the host, and counted.
             mesh.corners.push(u32::try_from(corner).unwrap_or(u32::MAX));
         }
         mesh.lengths.push(length);
-        let values: Vec<f32> = words
-            .map_while(number)
-            .map(|value| value as f32)
-            .take(4)
-            .collect();
-        let is_named = values.len() == 1 || values.len() == 2;
-        indexed += u64::from(is_named);
-        colours.push(match values[..] {
-            [red, green, blue] => Some([red, green, blue, f32::NAN]),
-            [red, green, blue, alpha] => Some([red, green, blue, alpha]),
-            _ => None,
-        });
+        let mut values = [f32::NAN; 4];
+        let numbers = std::iter::from_fn(|| words.number());
+        let mut count = 0;
+        for (value, number) in values.iter_mut().zip(numbers) {
+            *value = number as f32;
+            count += 1;
+        }
+        match count {
+            0 => {}
+            1 | 2 => colours.indexed += 1,
+            _ => {
+                colours.all.resize(mesh.lengths.len() - 1, None);
+                colours.all.push(Some(values));
+            }
+        }
     }
-    out.warn(
-        "a face has a colour by its number in a map, which is left out",
-        indexed,
-    );
-    let coloured = colours.iter().flatten().count();
-    if kind.has_colour {
+    Ok((mesh, colours))
+}
+
+/// What faces say of their colours.
+#[derive(Default)]
+struct FaceColours {
+    /// Of each face as the file has it, NaN for an alpha that is not given; empty while none has one, and missing at the end where
+    /// the last have none.
+    all: Vec<Option<[f32; 4]>>,
+    /// Faces with the number of a colour.
+    indexed: u64,
+}
+
+impl FaceColours {
+    /// Adds those of faces that follow `before` others.
+    fn append(&mut self, piece: &Self, before: usize) {
+        self.indexed += piece.indexed;
+        if !piece.all.is_empty() {
+            self.all.resize(before, None);
+            self.all.extend(&piece.all);
+        }
+    }
+
+    /// Gives them to the vertices, if these have none.
+    fn give(self, kind: Kind, mesh: &mut Mesh, out: &mut Output<'_>) {
         out.warn(
-            "a face has a colour of its own, which is left out, since vertices have colours",
-            coloured as u64,
+            "a face has a colour by its number in a map, which is left out",
+            self.indexed,
         );
-    } else if coloured > 0 {
-        mesh.take_face_colours(&as_light(colours));
+        let coloured = self.all.iter().flatten().count();
+        if kind.has_colour {
+            out.warn(
+                "a face has a colour of its own, which is left out, since vertices have colours",
+                coloured as u64,
+            );
+        } else if coloured > 0 {
+            mesh.take_face_colours(&as_light(self.all));
+        }
     }
-    Ok(mesh)
 }
 
 /// Linear colours of faces from those of the file; an alpha that is not given is NaN.

@@ -8,10 +8,13 @@ use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 /// No vertex is in the slot.
 const EMPTY: u32 = u32::MAX;
 
+/// Vertices that are looked up at once; a core waits for no more of them.
+const LOOKED_UP: usize = 32;
+
 /// Vertices at different places, and which corner is which of them.
 pub(crate) struct Welder {
     positions: Vec<[f32; 3]>,
-    /// Indices of vertices: each stands in the first slot free from that of its hash on. A power of two, at least half of them free.
+    /// Indices of vertices: each stands in the first slot free from that of its hash on. A power of two, a quarter of them free.
     slots: Vec<u32>,
     /// Of its own each time, so that nobody can write a file of which all vertices fall into one slot.
     seed: u64,
@@ -22,7 +25,7 @@ impl Welder {
     pub(crate) fn new(expected: usize) -> Self {
         Self {
             positions: Vec::with_capacity(expected),
-            slots: vec![EMPTY; (2 * expected).next_power_of_two().max(16)],
+            slots: vec![EMPTY; (expected / 3 * 4).next_power_of_two().max(16)],
             seed: RandomState::new().build_hasher().finish(),
         }
     }
@@ -50,7 +53,7 @@ impl Welder {
         let vertex = self.positions.len() as u32;
         self.slots[slot] = vertex;
         self.positions.push(place);
-        if 2 * self.positions.len() > self.slots.len() {
+        if 4 * self.positions.len() > 3 * self.slots.len() {
             self.grow();
         }
         vertex
@@ -90,8 +93,18 @@ impl Welder {
 
     /// Adds another's vertices; which of these each of them is.
     pub(crate) fn add_all(&mut self, other: &Self) -> Vec<u32> {
-        let places = other.positions.iter();
-        places.map(|place| self.add(*place)).collect()
+        let mut vertices = Vec::with_capacity(other.positions.len());
+        for some in other.positions.chunks(LOOKED_UP) {
+            // A large table is in no cache. What does not wait for one another comes from memory together.
+            let known = some.iter().map(|place| {
+                let slot = self.slots[self.slot(place.map(f32::to_bits))];
+                let place = self.positions.get(slot as usize);
+                place.map_or(0, |place| place[0].to_bits())
+            });
+            std::hint::black_box(known.fold(0, |all, bits| all ^ bits));
+            vertices.extend(some.iter().map(|place| self.add(*place)));
+        }
+        vertices
     }
 }
 

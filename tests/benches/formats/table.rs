@@ -60,10 +60,15 @@ impl Row {
         let others = self.others.0.iter();
         others
             .map(|(name, measured)| {
+                let median = measured.median();
+                let seconds = if median.is_nan() {
+                    "not read".to_owned()
+                } else {
+                    format!("{median:.4}")
+                };
                 format!(
-                    "| {} | {name} | {:.4} | {:.1} | {} | {} |",
+                    "| {} | {name} | {seconds} | {:.1} | {} | {} |",
                     self.name(),
-                    measured.median(),
                     measured.peak_bytes as f64 / 1e6,
                     measured.surfels,
                     measured.triangles

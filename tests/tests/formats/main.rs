@@ -9,6 +9,7 @@ mod convert;
 mod damage;
 mod found;
 mod kept_textures;
+mod long;
 mod meshes;
 mod points;
 mod scans;
