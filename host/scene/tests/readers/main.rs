@@ -11,6 +11,7 @@ mod made_up_files;
 mod oriented_scans;
 mod qs_facts;
 mod round_trips;
+mod round_trips_of_any;
 #[path = "../support/sfl.rs"]
 mod sfl;
 mod sfl_facts;
