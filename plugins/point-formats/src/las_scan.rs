@@ -175,9 +175,13 @@ fn extras_of(header: &Header, out: &mut Output<'_>) -> Vec<Extra> {
     extras
 }
 
-/// Refuses a header whose points no file could hold: the library multiplies without a look.
-fn check_size(mut file: &[u8]) -> Result<()> {
-    let Ok(header) = las::raw::Header::read_from(&mut file) else {
+/// Bytes before an extended record's data; its length stands in the last 8 of the first 28.
+const EXTENDED_RECORD: u64 = 60;
+
+/// Refuses a header whose points no file could hold, or whose extended record goes beyond the file: the library multiplies, and
+/// takes memory, without a look.
+fn check_size(file: &[u8]) -> Result<()> {
+    let Ok(header) = las::raw::Header::read_from(&mut &*file) else {
         // What is wrong with it, the reader says better.
         return Ok(());
     };
@@ -187,13 +191,30 @@ fn check_size(mut file: &[u8]) -> Result<()> {
     let points = large.max(u64::from(header.number_of_point_records));
     let bytes = header.point_data_record_length;
     let start = u64::from(header.offset_to_point_data);
-    points
+    if points
         .checked_mul(u64::from(bytes))
         .and_then(|all| all.checked_add(start))
-        .map(|_| ())
-        .ok_or_else(|| {
-            Error::failed(format!(
-                "the header claims {points} points of {bytes} bytes, which no file can hold; the file is damaged, copy it again"
-            ))
-        })
+        .is_none()
+    {
+        return Err(Error::failed(format!(
+            "the header claims {points} points of {bytes} bytes, which no file can hold; the file is damaged, copy it again"
+        )));
+    }
+    let Some(start) = header.evlr.map(|evlr| evlr.start_of_first_evlr) else {
+        return Ok(());
+    };
+    let rest = usize::try_from(start)
+        .ok()
+        .and_then(|start| file.get(start..))
+        .unwrap_or_default();
+    // A record that is cut off within its first bytes takes no memory, and the reader says so.
+    let length = rest.get(20..).and_then(|bytes| bytes.first_chunk());
+    let length = length.map_or(0, |bytes| u64::from_le_bytes(*bytes));
+    let most = (rest.len() as u64).saturating_sub(EXTENDED_RECORD);
+    if length > most {
+        return Err(Error::failed(format!(
+            "byte {start}: an extended record claims {length} bytes, found {most}; the file is truncated or damaged, copy it again"
+        )));
+    }
+    Ok(())
 }
