@@ -114,13 +114,19 @@ fn tiles_make_up_the_picture() {
                 .rgba
                 .chunks_exact(4)
                 .zip(tiles.chunks_exact(4));
-            let differs =
-                |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1);
-            let (count, apart) = (pairs.len(), pairs.filter(differs).count());
-            // Rounding at edges, since a tile's projection has other numbers.
+            let difference = |(a, b): (&[u8], &[u8])| {
+                let channels = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b));
+                channels.max().unwrap_or_default()
+            };
+            let count = pairs.len();
+            let differences = pairs.map(difference).filter(|difference| *difference > 1);
+            let differences: Vec<u8> = differences.collect();
+            // A tile's projection has other numbers: at edges of splats rounding decides for one neighbour or the other, whose
+            // colours are close on this scene. A hole or a seam would be far from them.
             assert!(
-                apart * 5_000 <= count,
-                "{path}, {shape}: {apart} of {count} pixels differ"
+                differences.len() * 4_000 <= count
+                    && differences.iter().all(|difference| *difference <= 16),
+                "{path}, {shape}: of {count} pixels these differ, by so much: {differences:?}"
             );
         }
     }
