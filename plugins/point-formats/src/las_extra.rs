@@ -1,8 +1,10 @@
 //! Extra bytes of LAS points: what the file's own description says of them (LAS 1.4, *Extra Bytes* record).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use las::Header;
 use pointstage_plugin_api::abi::ScalarType;
-use pointstage_plugin_api::loading::Column;
+use pointstage_plugin_api::loading::{Column, Output};
 
 /// Bytes of one description.
 const DESCRIPTION: usize = 192;
@@ -12,7 +14,7 @@ const HAS_SCALE: u8 = 8;
 const HAS_OFFSET: u8 = 16;
 
 /// Values behind each point, described by the file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub(crate) struct Extra {
     pub(crate) name: String,
     kind: Kind,
@@ -21,6 +23,8 @@ pub(crate) struct Extra {
     offset: usize,
     /// What makes values of the stored numbers, if they are not the values themselves.
     measure: Option<Measure>,
+    /// Whole numbers read so far that no double holds exactly.
+    rounded: AtomicU64,
 }
 
 /// `value = number · scale + offset`, component by component.
@@ -76,7 +80,8 @@ impl Kind {
         }
     }
 
-    /// The column's type; whole numbers of 64 bits have none and are kept as doubles, which are exact up to 2⁵³.
+    /// The column's type; whole numbers of 64 bits have none and are kept as doubles, which are exact up to 2⁵³: what is rounded
+    /// beyond that is a warning.
     const fn scalar(self) -> ScalarType {
         match self {
             Self::U8 => ScalarType::U8,
@@ -168,6 +173,7 @@ fn read(descriptions: &[u8], length: usize) -> (Vec<Extra>, usize) {
             components,
             offset,
             measure,
+            rounded: AtomicU64::new(0),
         });
         offset += kind.size() * components;
     }
@@ -199,12 +205,43 @@ impl Extra {
     pub(crate) fn write(&self, records: &[u8], stride: usize, first: usize, out: &mut [u8]) {
         let size = self.kind.size();
         let own = records.get(first + self.offset..).unwrap_or_default();
+        self.count_rounded(own, stride);
         for (record, out) in own.chunks(stride).zip(out.chunks_exact_mut(self.width())) {
             let values = out.chunks_exact_mut(out.len() / self.components);
             for (component, (bytes, out)) in record.chunks_exact(size).zip(values).enumerate() {
                 self.write_one(component, bytes, out);
             }
         }
+    }
+
+    /// Counts the numbers that become others as doubles, in records that begin with the first component.
+    fn count_rounded(&self, records: &[u8], stride: usize) {
+        let is_exact = match self.kind {
+            Kind::U64 => |bytes| {
+                let number = u64::from_le_bytes(bytes);
+                number as f64 as u128 == u128::from(number)
+            },
+            Kind::I64 => |bytes| {
+                let number = i64::from_le_bytes(bytes);
+                number as f64 as i128 == i128::from(number)
+            },
+            _ => return,
+        };
+        let numbers = records.chunks(stride).flat_map(|record| {
+            let numbers = record.as_chunks::<8>().0;
+            numbers.iter().take(self.components).copied()
+        });
+        let rounded = numbers.filter(|bytes| !is_exact(*bytes)).count();
+        self.rounded.fetch_add(rounded as u64, Ordering::Relaxed);
+    }
+
+    /// Warns if numbers that were written are not those of the file.
+    pub(crate) fn warn_of_rounded(&self, out: &mut Output<'_>) {
+        let text = format!(
+            "a 64-bit whole number of column '{}' is rounded to the nearest of 53 bits",
+            self.name
+        );
+        out.warn(&text, self.rounded.load(Ordering::Relaxed));
     }
 
     fn write_one(&self, component: usize, bytes: &[u8], out: &mut [u8]) {
@@ -277,6 +314,26 @@ mod tests {
         let (found, undescribed) = read(&description(77, 0, "new"), 4);
         assert_eq!((found.len(), undescribed), (0, 4));
         assert_eq!(read(&description(0, 200, ""), 7).1, 7);
-        assert_eq!(read(&[1; 100], 7), (Vec::new(), 7));
+        let (found, undescribed) = read(&[1; 100], 7);
+        assert_eq!((found.len(), undescribed), (0, 7));
+    }
+
+    #[test]
+    fn whole_numbers_that_doubles_do_not_hold_are_counted() {
+        let count_of = |number: u8, values: &[[u8; 8]]| {
+            let (found, _) = read(&description(number, 0, "id"), 8);
+            let records: Vec<u8> = values
+                .iter()
+                .flat_map(|value| [&[7], &value[..]].concat())
+                .collect();
+            let mut out = vec![0; 8 * values.len()];
+            found[0].write(&records, 9, 1, &mut out);
+            found[0].rounded.load(Ordering::Relaxed)
+        };
+        let unsigned = [0, 1 << 53, (1 << 53) + 1, (1 << 53) + 2, u64::MAX];
+        assert_eq!(count_of(7, &unsigned.map(u64::to_le_bytes)), 2);
+        let signed = [-1, -(1 << 53), -(1 << 53) - 1, i64::MIN, i64::MAX];
+        assert_eq!(count_of(8, &signed.map(i64::to_le_bytes)), 2);
+        assert_eq!(count_of(10, &[f64::MAX.to_le_bytes()]), 0);
     }
 }

@@ -89,7 +89,11 @@ impl Loader for LasLoader {
         match &mut records {
             Records::Plain(bytes) => handed.add(bytes, out, progress),
             Records::Packed(packed) => handed.add_packed(packed, held, out, progress),
+        }?;
+        for extra in &extras {
+            extra.warn_of_rounded(out);
         }
+        Ok(())
     }
 }
 

@@ -113,6 +113,46 @@ fn las_of_every_point_format_has_its_columns_compressed_or_not() -> Result<()> {
     Ok(())
 }
 
+#[test]
+fn a_whole_number_that_no_double_holds_is_a_warning() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let loaders = first_party()?;
+    for is_compressed in [false, true] {
+        let path = folder.path().join("numbers.las");
+        let mut builder = Builder::from((1, 4));
+        let mut format = Format::new(6)?;
+        format.is_compressed = is_compressed;
+        format.extra_bytes = 16;
+        builder.point_format = format;
+        builder.vlrs.push(Vlr {
+            user_id: "LASF_Spec".to_owned(),
+            record_id: 4,
+            description: String::new(),
+            data: [description(7, "id", None), description(8, "count", None)].concat(),
+        });
+        let mut writer = Writer::from_path(&path, builder.into_header()?)?;
+        for id in [1_u64 << 53, (1 << 53) + 1, u64::MAX] {
+            let extra_bytes = [id.to_le_bytes(), (-5_i64).to_le_bytes()].concat();
+            writer.write_point(Point {
+                extra_bytes,
+                return_number: 1,
+                number_of_returns: 1,
+                gps_time: Some(0.0),
+                ..Point::default()
+            })?;
+        }
+        writer.close()?;
+        let loaded = load_as_it_is(&loaders, &path)?;
+        let said = lines(&loaded.warnings);
+        let expected =
+            "a 64-bit whole number of column 'id' is rounded to the nearest of 53 bits (2 times)";
+        assert_eq!(said, expected, "compressed: {is_compressed}");
+        assert_eq!(value(&loaded, "id", 1, 0), Some(9_007_199_254_740_992.0));
+        assert_eq!(value(&loaded, "count", 2, 0), Some(-5.0));
+    }
+    Ok(())
+}
+
 fn check_las(loaded: &Loaded, format: Format, what: &str) {
     const POINT: usize = 777;
     let index = POINT as f64;
