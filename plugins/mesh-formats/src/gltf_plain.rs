@@ -8,7 +8,7 @@ use pointstage_plugin_api::loading::{Column, Output, bytes_of};
 use pointstage_plugin_api::{Progress, Result};
 
 use crate::gltf_buffers::Buffers;
-use crate::gltf_scene::{Part, Parts, world_normals};
+use crate::gltf_nodes::{Part, Parts, world_normals};
 
 /// Vertices, or triangles, handed over at once: what is made of them stays in the second-level cache.
 const RUN: usize = 1 << 14;

@@ -5,22 +5,23 @@
 //! texel that it lies in); all three are multiplied as linear light, and handed over as sRGB. Alpha weights texels where the
 //! material says that it means something.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
 use gltf::mesh::Mode;
 use gltf::texture::WrappingMode;
-use gltf::{Document, Node, Primitive, image, material::AlphaMode};
-use pointstage_plugin_api::glam::{DMat4, DVec2, DVec3, Mat3, Vec3};
+use gltf::{Primitive, material::AlphaMode};
+use pointstage_plugin_api::glam::{DMat4, DVec2, DVec3};
 use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFile};
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
-use pointstage_texels::{Alpha, Material, NO_MATERIAL, Picture, Wrap, read_beside, srgb};
+use pointstage_texels::{Alpha, Material, NO_MATERIAL, Picture, Wrap, srgb};
 
 use crate::columns::Mesh;
-use crate::data_url;
 use crate::gltf_buffers::Buffers;
+use crate::gltf_nodes::{Parts, world_normals};
+use crate::gltf_pictures::{name_of, read_picture};
 use crate::gltf_plain::Plain;
 use crate::textured::{Meets, Textured, Textures};
 
@@ -113,129 +114,6 @@ fn read(
         textured.colour(&mut mesh, textures, Meets::Multiplies, out, progress)?;
     }
     mesh.write(out, progress)
-}
-
-/// A primitive of the scene, and where it stands.
-pub(crate) struct Part<'d> {
-    pub(crate) primitive: Primitive<'d>,
-    pub(crate) world_from_node: DMat4,
-}
-
-/// The primitives of the default scene, node by node.
-pub(crate) struct Parts<'d> {
-    open: Vec<(Node<'d>, DMat4)>,
-    /// A node has one parent; a file that says otherwise is not walked in circles.
-    seen: HashSet<usize>,
-    node_count: usize,
-    /// What is left of the node walked to last.
-    primitives: Option<(gltf::mesh::iter::Primitives<'d>, DMat4)>,
-}
-
-impl<'d> Parts<'d> {
-    fn of(document: &'d Document) -> Self {
-        let scene = document
-            .default_scene()
-            .or_else(|| document.scenes().next());
-        let roots: Vec<Node<'_>> = match scene {
-            Some(scene) => scene.nodes().collect(),
-            None => document.nodes().collect(),
-        };
-        let open = roots.into_iter().map(|node| (node, DMat4::IDENTITY));
-        Self {
-            open: open.collect(),
-            seen: HashSet::new(),
-            node_count: document.nodes().count().max(1),
-            primitives: None,
-        }
-    }
-
-    /// Part of the nodes that were walked to.
-    fn fraction(&self) -> f32 {
-        self.seen.len() as f32 / self.node_count as f32
-    }
-}
-
-impl<'d> Iterator for Parts<'d> {
-    type Item = Part<'d>;
-
-    fn next(&mut self) -> Option<Part<'d>> {
-        loop {
-            if let Some((primitives, world_from_node)) = &mut self.primitives
-                && let Some(primitive) = primitives.next()
-            {
-                return Some(Part {
-                    primitive,
-                    world_from_node: *world_from_node,
-                });
-            }
-            let (node, world_from_parent) = self.open.pop()?;
-            if !self.seen.insert(node.index()) {
-                continue;
-            }
-            let columns = node.transform().matrix();
-            let local = DMat4::from_cols_array_2d(&columns.map(|column| column.map(f64::from)));
-            let world_from_node = world_from_parent * local;
-            let mesh = node.mesh();
-            self.primitives = mesh.map(|mesh| (mesh.primitives(), world_from_node));
-            let children = node.children();
-            self.open
-                .extend(children.map(|child| (child, world_from_node)));
-        }
-    }
-}
-
-/// Normals in the world; zeros, which the host replaces, for those that have no direction.
-pub(crate) fn world_normals(
-    in_node: impl Iterator<Item = [f32; 3]>,
-    world_from_node: DMat4,
-) -> impl Iterator<Item = [f32; 3]> {
-    let linear = Mat3::from_mat4(world_from_node.as_mat4());
-    // A matrix that flattens has no inverse: those normals are for the host to find.
-    let to_world = linear.inverse().transpose();
-    in_node.map(move |normal| {
-        let normal = to_world * Vec3::from_array(normal);
-        normal.try_normalize().unwrap_or(Vec3::ZERO).to_array()
-    })
-}
-
-/// The picture of a source.
-fn read_picture(
-    source: &image::Source<'_>,
-    file: &Path,
-    buffers: &Buffers<'_>,
-    alpha: Alpha,
-) -> std::result::Result<Picture, String> {
-    let decode = |name: &str, bytes: Vec<u8>| {
-        Picture::of_file(name, bytes, alpha).map_err(|error| error.to_string())
-    };
-    match source {
-        image::Source::View { view, .. } => {
-            let end = view.offset().checked_add(view.length());
-            let bytes = buffers
-                .get(view.buffer().index())
-                .zip(end)
-                .and_then(|(buffer, end)| buffer.get(view.offset()..end));
-            decode("", bytes.ok_or("it lies outside its buffer")?.to_vec())
-        }
-        image::Source::Uri { uri, .. } if data_url::is(uri) => {
-            let bytes = data_url::bytes(uri).ok_or("its data URL cannot be decoded")?;
-            decode("", bytes)
-        }
-        image::Source::Uri { uri, .. } => {
-            let name = data_url::percent_decoded(uri);
-            let name = String::from_utf8_lossy(&name);
-            let bytes = read_beside(file, &name).map_err(|error| error.to_string())?;
-            decode(&name, bytes)
-        }
-    }
-}
-
-/// What a warning calls a source.
-fn name_of(source: &image::Source<'_>) -> String {
-    match source {
-        image::Source::Uri { uri, .. } if !data_url::is(uri) => format!("'{uri}'"),
-        image::Source::Uri { .. } | image::Source::View { .. } => "inside the file".to_owned(),
-    }
 }
 
 struct Reader<'r, 'o> {

@@ -4,6 +4,8 @@
 mod columns;
 mod data_url;
 mod gltf_buffers;
+mod gltf_nodes;
+mod gltf_pictures;
 mod gltf_plain;
 mod gltf_scene;
 mod mtl;
