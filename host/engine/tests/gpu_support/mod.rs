@@ -9,7 +9,9 @@
 use abi_stable::std_types::{RErr, RNone, ROk, RResult, RSlice, RSome, RStr};
 use pointstage_engine::device::{Backend, DeviceOptions, GpuDevice, GpuError};
 use pointstage_engine::gpu::{GpuService, Owner, Replay, Timings};
-use pointstage_plugin_api::abi::commands::{Command, CommandListRecord, ReadBack};
+use pointstage_plugin_api::abi::commands::{
+    BeginComputePass, Command, CommandListRecord, CopyTextureToBuffer, Dispatch, ReadBack,
+};
 use pointstage_plugin_api::abi::*;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -19,6 +21,12 @@ pub const PATIENCE: Duration = Duration::from_mins(1);
 
 /// Plenty for every test that is not about quotas; bytes.
 pub const QUOTA: u64 = 1 << 30;
+
+/// A shader that does nothing.
+pub const NOTHING: &str = "@compute @workgroup_size(1) fn main() {}";
+
+/// Of the targets that tests draw into, px.
+pub const SIZE: [u32; 2] = [64, 4];
 
 /// A service, an owner in it, and the border object that its plugin would have.
 pub struct Rig {
@@ -279,4 +287,47 @@ pub fn err<T>(result: RResult<T, ErrorRecord>) -> ErrorRecord {
         ROk(_) => panic!("accepted, but expected to be refused"),
         RErr(error) => error,
     }
+}
+
+/// Begins a compute pass.
+pub fn begin() -> Command {
+    BeginComputePass {
+        label: "test pass".into(),
+    }
+    .into()
+}
+
+/// Runs one workgroup.
+pub fn dispatch() -> Command {
+    Dispatch { groups: [1, 1, 1] }.into()
+}
+
+/// Reads the first row of a texture of [`SIZE`] with so many bytes a texel.
+pub fn first_row(rig: &Rig, texture: Handle, bytes: u32) -> Vec<u8> {
+    let row = (SIZE[0] * bytes).next_multiple_of(256);
+    let size = u64::from(row * SIZE[1]);
+    let rows = rig.buffer(size, BufferUsage::COPY_SRC | BufferUsage::COPY_DST);
+    rig.run(vec![
+        CopyTextureToBuffer {
+            source: texture,
+            mip_level: 0,
+            origin: [0; 3],
+            // All rows: WebGPU copies depth only as a whole.
+            size: [SIZE[0], SIZE[1], 1],
+            target: rows,
+            offset: 0,
+            bytes_per_row: row,
+        }
+        .into(),
+    ]);
+    rig.read(rows, u64::from(row))
+}
+
+/// The four half floats of a texel.
+pub fn halves(bytes: &[u8], texel: usize) -> [f32; 4] {
+    let channel = |i: usize| {
+        let at = texel * 8 + i * 2;
+        half::f16::from_le_bytes([bytes[at], bytes[at + 1]]).to_f32()
+    };
+    [channel(0), channel(1), channel(2), channel(3)]
 }
