@@ -6,6 +6,7 @@
 
 mod assemble;
 mod choice;
+mod column_spec;
 mod columns;
 mod error;
 pub(crate) mod fill;
@@ -25,10 +26,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(crate) use assemble::origin_for;
+pub use column_spec::{ColumnRole, ColumnSpec};
 pub use error::{FormatError, LoadError, LoadStop, Place};
 pub use loader::{Claim, Contents, FileStart, Loader, LoaderInfo, START_BYTES, SourceFile};
 pub use loaders::{Loaders, UnknownLoader};
-pub use object_builder::{BuildError, ColumnRole, ColumnSpec, ObjectBuilder};
+pub use object_builder::{BuildError, ObjectBuilder};
 pub use ply::PlyError;
 pub use qs::QsError;
 pub use sfl::SflError;

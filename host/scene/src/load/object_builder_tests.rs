@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::ScalarType;
 use crate::load::Estimation;
 use bytemuck::cast_slice;
 
@@ -8,6 +9,13 @@ const POSITION: ColumnSpec = ColumnSpec {
     scalar: ScalarType::F64,
     components: 3,
 };
+
+const SQUARE: [[f64; 3]; 4] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+];
 
 fn file_only() -> LoadOptions {
     LoadOptions {
@@ -80,13 +88,7 @@ fn lengths_that_do_not_fit_are_refused_and_add_nothing() {
 #[test]
 fn triangles_and_polygons_may_come_in_any_order() {
     let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
-    let square = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-    ];
-    builder.add_rows(4, &[cast_slice(&square)]).expect("four");
+    builder.add_rows(4, &[cast_slice(&SQUARE)]).expect("four");
     builder.add_triangles(&[[0, 1, 2]]);
     builder
         .add_polygons(&[4, 3], &[0, 1, 2, 3, 0, 2, 9])
@@ -108,14 +110,8 @@ fn triangles_and_polygons_may_come_in_any_order() {
 #[test]
 fn pictures_are_of_the_polygons_that_came_first() {
     let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
-    let square = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-    ];
-    let uv = |corner: usize| [square[corner][0] as f32, square[corner][1] as f32];
-    builder.add_rows(4, &[cast_slice(&square)]).expect("four");
+    let uv = |corner: usize| [SQUARE[corner][0] as f32, SQUARE[corner][1] as f32];
+    builder.add_rows(4, &[cast_slice(&SQUARE)]).expect("four");
     builder.add_triangles(&[[0, 1, 2]]);
     let picture = builder.add_picture("wood", b"\x89PNG\r\n\x1a\n");
     let problem = |outcome: Result<(), BuildError>| outcome.expect_err("wrong").to_string();
