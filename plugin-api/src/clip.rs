@@ -126,18 +126,11 @@ impl<'a> ClipColumns<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::abi::{BlockRecord, ColumnRecord, Handle, ScalarType};
-    use abi_stable::std_types::{RSlice, RStr};
+    use crate::abi::{BlockRecord, ColumnRecord, ScalarType};
+    use abi_stable::std_types::RSlice;
 
     fn record<'a>(name: &'a str, scalar: ScalarType, bytes: &'a [u8]) -> ColumnRecord<'a> {
-        ColumnRecord {
-            name: RStr::from_str(name),
-            scalar,
-            components: 1,
-            revision: 7,
-            bytes: RSlice::from_slice(bytes),
-            buffer: Handle::NONE,
-        }
+        ColumnRecord::new(name, scalar, 1, 7, bytes)
     }
 
     fn lines(records: &[ColumnRecord<'_>], number: u32) -> Option<ClipLines> {

@@ -318,14 +318,7 @@ mod tests {
         components: u32,
         bytes: &'a [u8],
     ) -> ColumnRecord<'a> {
-        ColumnRecord {
-            name: RStr::from_str(name),
-            scalar,
-            components,
-            revision: 1,
-            bytes: RSlice::from_slice(bytes),
-            buffer: Handle::NONE,
-        }
+        ColumnRecord::new(name, scalar, components, 1, bytes)
     }
 
     #[test]

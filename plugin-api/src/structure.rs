@@ -9,7 +9,6 @@ use crate::gpu::{Buffer, Recorder};
 use crate::host::{Call, Host, Progress};
 use crate::scene::{Changes, Scene};
 use crate::settings::Settings;
-use abi_stable::std_types::{RSlice, RStr};
 use glam::DMat4;
 
 /// A structure built for one state of the scene.
@@ -240,14 +239,8 @@ pub(crate) fn own_columns<'a>(block: &OwnBlock<'a>) -> Vec<ColumnRecord<'a>> {
         scalar: ScalarType,
         scalar_bytes: usize,
     ) -> ColumnRecord<'a> {
-        ColumnRecord {
-            name: RStr::from_str(name),
-            scalar,
-            components: (size_of::<T>() / scalar_bytes) as u32,
-            revision: 0,
-            bytes: RSlice::from_slice(bytemuck::cast_slice(content)),
-            buffer: Handle::NONE,
-        }
+        let components = (size_of::<T>() / scalar_bytes) as u32;
+        ColumnRecord::new(name, scalar, components, 0, content)
     }
     let OwnBlock {
         position_radius,

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
-use abi_stable::std_types::{RSlice, RStr};
+use abi_stable::std_types::RSlice;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Mat4, Vec3};
 use pointstage_engine::device::{DeviceOptions, GpuDevice};
@@ -55,25 +55,16 @@ impl Sphere {
     }
 
     fn columns(&self) -> [ColumnRecord<'_>; 3] {
-        fn column<'a, T: bytemuck::NoUninit>(
-            name: &'static str,
-            scalar: ScalarType,
-            components: u32,
-            values: &'a [T],
-        ) -> ColumnRecord<'a> {
-            ColumnRecord {
-                name: RStr::from_str(name),
-                scalar,
-                components,
-                revision: 1,
-                bytes: RSlice::from_slice(bytemuck::cast_slice(values)),
-                buffer: Handle::NONE,
-            }
-        }
         [
-            column(columns::POSITION_RADIUS, ScalarType::F32, 4, &self.centres),
-            column(columns::NORMAL, ScalarType::U32, 1, &self.normals),
-            column(columns::COLOUR, ScalarType::U32, 1, &self.colours),
+            ColumnRecord::new(
+                columns::POSITION_RADIUS,
+                ScalarType::F32,
+                4,
+                1,
+                &self.centres,
+            ),
+            ColumnRecord::new(columns::NORMAL, ScalarType::U32, 1, 1, &self.normals),
+            ColumnRecord::new(columns::COLOUR, ScalarType::U32, 1, 1, &self.colours),
         ]
     }
 }

@@ -49,6 +49,26 @@ pub struct ColumnRecord<'a> {
     pub buffer: Handle,
 }
 
+impl<'a> ColumnRecord<'a> {
+    /// A column that is on the CPU only.
+    pub fn new<T: bytemuck::NoUninit>(
+        name: &'a str,
+        scalar: ScalarType,
+        components: u32,
+        revision: u64,
+        values: &'a [T],
+    ) -> Self {
+        Self {
+            name: RStr::from_str(name),
+            scalar,
+            components,
+            revision,
+            bytes: RSlice::from_slice(bytemuck::cast_slice(values)),
+            buffer: Handle::NONE,
+        }
+    }
+}
+
 /// A run of surfels of one object whose columns lie together.
 #[repr(C)]
 #[derive(StableAbi, Clone, Copy, Debug)]

@@ -222,52 +222,35 @@ pub(super) fn handles(layouts: &[&BindGroupLayout]) -> Vec<Handle> {
 
 /// A binding of a layout in the border's words.
 pub(super) fn layout_record((binding, visibility, kind): Layout) -> abi::BindingLayoutRecord {
-    let record = abi::BindingLayoutRecord {
+    let of_kind = |kind| abi::BindingLayoutRecord {
         binding,
         visibility,
+        kind,
         ..Default::default()
     };
     let texture = |sample_type| abi::BindingLayoutRecord {
-        kind: BindingKind::TEXTURE,
         sample_type,
-        ..record
+        ..of_kind(BindingKind::TEXTURE)
     };
     match kind {
-        Binding::Uniform => abi::BindingLayoutRecord {
-            kind: BindingKind::UNIFORM_BUFFER,
-            ..record
-        },
+        Binding::Uniform => of_kind(BindingKind::UNIFORM_BUFFER),
         Binding::UniformDynamic => abi::BindingLayoutRecord {
-            kind: BindingKind::UNIFORM_BUFFER,
             dynamic_offset: 1,
-            ..record
+            ..of_kind(BindingKind::UNIFORM_BUFFER)
         },
-        Binding::StorageRead => abi::BindingLayoutRecord {
-            kind: BindingKind::STORAGE_BUFFER_READ,
-            ..record
-        },
-        Binding::Storage => abi::BindingLayoutRecord {
-            kind: BindingKind::STORAGE_BUFFER,
-            ..record
-        },
+        Binding::StorageRead => of_kind(BindingKind::STORAGE_BUFFER_READ),
+        Binding::Storage => of_kind(BindingKind::STORAGE_BUFFER),
         Binding::Texture => texture(SampleType::FLOAT),
         Binding::TextureUnfilterable => texture(SampleType::FLOAT_UNFILTERABLE),
         Binding::TextureDepth => texture(SampleType::DEPTH),
         Binding::TextureUint => texture(SampleType::UINT),
         Binding::StorageWrite(format) => abi::BindingLayoutRecord {
-            kind: BindingKind::STORAGE_TEXTURE,
             format,
             access: abi::StorageAccess::WRITE,
-            ..record
+            ..of_kind(BindingKind::STORAGE_TEXTURE)
         },
-        Binding::Sampler => abi::BindingLayoutRecord {
-            kind: BindingKind::SAMPLER,
-            ..record
-        },
-        Binding::SamplerComparison => abi::BindingLayoutRecord {
-            kind: BindingKind::SAMPLER_COMPARISON,
-            ..record
-        },
+        Binding::Sampler => of_kind(BindingKind::SAMPLER),
+        Binding::SamplerComparison => of_kind(BindingKind::SAMPLER_COMPARISON),
     }
 }
 

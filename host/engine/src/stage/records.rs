@@ -202,14 +202,9 @@ fn record<'a>(
     revision: u64,
     lookup: Lookup<'_>,
 ) -> ColumnRecord<'a> {
-    let buffer = lookup(bytes.as_ptr());
     ColumnRecord {
-        name: RStr::from_str(name),
-        scalar,
-        components,
-        revision,
-        bytes: RSlice::from_slice(bytes),
-        buffer,
+        buffer: lookup(bytes.as_ptr()),
+        ..ColumnRecord::new(name, scalar, components, revision, bytes)
     }
 }
 

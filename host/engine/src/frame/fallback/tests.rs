@@ -1,6 +1,6 @@
 //! The fallback against closed forms, and against itself under other orders and thread counts.
 
-use abi_stable::std_types::{RSlice, RStr};
+use abi_stable::std_types::RSlice;
 use glam::{Mat4, Vec3};
 use pointstage_plugin_api::abi::{
     BlockRecord, ColumnRecord, DrawFlags, DrawRecord, DrawUniform, FrameUniform, Handle, ScalarType,
@@ -41,28 +41,18 @@ fn sphere(count: u32, centre: Vec3, sphere_radius: f32) -> Surfels {
     surfels
 }
 
-fn column<'a, T: bytemuck::NoUninit>(
-    name: &'a str,
-    scalar: ScalarType,
-    components: u32,
-    values: &'a [T],
-) -> ColumnRecord<'a> {
-    ColumnRecord {
-        name: RStr::from_str(name),
-        scalar,
-        components,
-        revision: 1,
-        bytes: RSlice::from_slice(bytemuck::cast_slice(values)),
-        buffer: Handle::NONE,
-    }
-}
-
 impl Surfels {
     fn columns(&self) -> [ColumnRecord<'_>; 3] {
         [
-            column(columns::POSITION_RADIUS, ScalarType::F32, 4, &self.centres),
-            column(columns::NORMAL, ScalarType::U32, 1, &self.normals),
-            column(columns::COLOUR, ScalarType::U32, 1, &self.colours),
+            ColumnRecord::new(
+                columns::POSITION_RADIUS,
+                ScalarType::F32,
+                4,
+                1,
+                &self.centres,
+            ),
+            ColumnRecord::new(columns::NORMAL, ScalarType::U32, 1, 1, &self.normals),
+            ColumnRecord::new(columns::COLOUR, ScalarType::U32, 1, 1, &self.colours),
         ]
     }
 }
