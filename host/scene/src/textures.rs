@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use pointstage_plugin_api::loading::NO_TEXTURE;
 use pointstage_texels::PictureFile;
 
-/// Stands for the picture of a triangle that has none.
-pub const NO_PICTURE: u32 = u32::MAX;
+/// Stands for the picture of a triangle that has none; the number is the same at the border.
+pub const NO_PICTURE: u32 = NO_TEXTURE;
 
 /// Pictures, and what triangles take from them. Surfels have the means of their texels as colours; this is for who wants the
 /// texels themselves.

@@ -81,18 +81,17 @@ impl Material {
     }
 }
 
-/// The files of the materials' pictures, each once, and for each material the index of its own; [`NO_MATERIAL`] for one without.
-pub fn picture_files(materials: &[Material]) -> (Vec<PictureFile>, Vec<u32>) {
+/// The files of the materials' pictures, each once, and for each material the index of its own, if it has one.
+pub fn picture_files(materials: &[Material]) -> (Vec<PictureFile>, Vec<Option<u32>>) {
     let mut files: Vec<PictureFile> = Vec::new();
     let index = |material: &Material| {
-        let Some(file) = material.picture.as_ref().and_then(|picture| picture.file()) else {
-            return NO_MATERIAL;
-        };
+        let file = material.picture.as_ref()?.file()?;
         let known = files.iter().position(|known| known == file);
-        known.unwrap_or_else(|| {
+        let index = known.unwrap_or_else(|| {
             files.push(file.clone());
             files.len() - 1
-        }) as u32
+        });
+        Some(index as u32)
     };
     let indices = materials.iter().map(index).collect();
     (files, indices)

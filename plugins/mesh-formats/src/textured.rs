@@ -148,7 +148,7 @@ impl Textured {
         }
         let of = |material: &u32| {
             let index = indices.get(*material as usize);
-            index.copied().unwrap_or(NO_TEXTURE)
+            index.copied().flatten().unwrap_or(NO_TEXTURE)
         };
         let (faces, mut uvs) = match divided {
             Some(surface) => (&surface.materials, surface.uvs.as_flattened().to_vec()),

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use pointstage_texels::{
-    Alpha, LightSum, MOST_VERTICES, Material, NO_MATERIAL, Picture, PictureFile, Surface, colours,
-    divide, face_colours, linear, picture_files, polygon::triangulate, read_beside, srgb_byte,
+    Alpha, LightSum, MOST_VERTICES, Material, Picture, PictureFile, Surface, colours, divide,
+    face_colours, linear, picture_files, polygon::triangulate, read_beside, srgb_byte,
 };
 
 use super::body::{Body, Stop};
@@ -24,6 +24,7 @@ use crate::load::assemble::{
     Built, ByteOrder, CornerLists, Corners, FaceData, FaceKind, Roles, RowSelection, Table,
     TableColumn, write_native,
 };
+use crate::textures::NO_PICTURE;
 use crate::warnings::{WarningKind, Warnings};
 
 /// Names of columns that hold the texture coordinates of vertices.
@@ -329,11 +330,11 @@ fn keep_places(faces: &mut Corners, row_uvs: Option<&[[f32; 2]]>) {
 }
 
 /// Pictures by their index among those that were read.
-fn number_pictures(faces: &mut Corners, indices: &[u32]) {
+fn number_pictures(faces: &mut Corners, indices: &[Option<u32>]) {
     if let Corners::Lists(lists) = faces {
         for picture in &mut lists.data.pictures {
             let index = indices.get(*picture as usize);
-            *picture = index.copied().unwrap_or(NO_MATERIAL);
+            *picture = index.copied().flatten().unwrap_or(NO_PICTURE);
         }
     }
 }
