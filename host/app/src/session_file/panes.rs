@@ -1,15 +1,17 @@
 //! Several views in a session file: each with all that its picture depends on, and how they are compared.
 
 use std::collections::BTreeMap;
+use std::mem::take;
 
 use pointstage_engine::stage::SettingValues;
 use pointstage_scene::{Lights, ViewRecord};
 use serde::{Deserialize, Serialize};
 
-use super::Renderers;
+use super::{Renderers, SessionFile};
 use crate::toml_form::{self, Look};
 
-/// One of several views.
+/// One of several views. [`SessionFile`] has the same fields, for the active one; they are written out there, since what is
+/// flattened into another record loses the place in the text that a complaint names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PaneFile {
     /// The camera and the picture's size.
@@ -30,6 +32,40 @@ pub(crate) struct PaneFile {
     /// The preset that a renderer's values come from, by renderer id.
     #[serde(default)]
     pub(crate) presets: BTreeMap<String, String>,
+}
+
+impl SessionFile {
+    /// The session of one view, without a scene.
+    pub(crate) fn of_pane(pane: PaneFile) -> Self {
+        let PaneFile {
+            view,
+            renderers,
+            look,
+            lights,
+            settings,
+            presets,
+        } = pane;
+        Self {
+            renderers,
+            look,
+            lights,
+            settings,
+            presets,
+            ..Self::new(view)
+        }
+    }
+
+    /// The view that the session's own fields describe; they are left as in a new window.
+    pub(crate) fn take_pane(&mut self) -> PaneFile {
+        PaneFile {
+            view: self.view,
+            renderers: take(&mut self.renderers),
+            look: take(&mut self.look),
+            lights: take(&mut self.lights),
+            settings: take(&mut self.settings),
+            presets: take(&mut self.presets),
+        }
+    }
 }
 
 /// How the views of a session are compared.

@@ -101,7 +101,7 @@ impl App {
         let now = Instant::now();
         let OpenedSession {
             path,
-            file,
+            mut file,
             objects,
             active,
             absent,
@@ -120,13 +120,8 @@ impl App {
             let _: Arrival = arrive(session, &mut self.shown_batch, loaded, place, &mut self.log);
         }
         self.session.active = active;
+        let pane = file.take_pane();
         let SessionFile {
-            view,
-            renderers,
-            look,
-            lights,
-            settings,
-            presets,
             views,
             path: motion,
             panes,
@@ -140,19 +135,13 @@ impl App {
         // Of several views, the active one is among them.
         self.session.panes.truncate(1);
         let session = &mut self.session;
-        session.panes.active.camera = view.camera();
-        session.panes.active.near = NearClipping::of(&session.panes.active.camera);
-        session.panes.active.view = look.into();
-        session.panes.active.lights = lights;
-        session.panes.active.settings = settings;
-        session.panes.active.active_presets = presets;
+        let mut pane = Pane::from_file(pane);
+        if pane.renderer.is_empty() {
+            pane.renderer = std::mem::take(&mut session.panes.active.renderer);
+        }
+        session.panes.active = pane;
         session.views = stored_views(views);
         session.path = motion.unwrap_or_default();
-        if let Some(main) = renderers.main {
-            session.panes.active.renderer = main;
-        }
-        session.panes.active.preview = renderers.preview;
-        session.panes.active.structure = renderers.structure;
         if panes.len() > 1 {
             self.take_over_panes(panes, &comparison.unwrap_or_default());
         }
@@ -225,19 +214,10 @@ impl App {
             remembered,
             ..
         } = self;
-        let mut file = SessionFile::new(self.view_record());
+        let ViewRecord { width, height, .. } = self.view_record();
+        let mut file = SessionFile::of_pane(session.panes.active.to_file(width, height));
         file.scene = entries_of(&session.scene, |id| session.warnings.get(&id));
         file.scene.extend(remembered.absent.iter().cloned());
-        let main = Some(&session.panes.active.renderer).filter(|id| !id.is_empty());
-        file.renderers = Renderers {
-            main: main.cloned(),
-            preview: session.panes.active.preview.clone(),
-            structure: session.panes.active.structure.clone(),
-        };
-        file.look = Look::from(&session.panes.active.view);
-        file.lights = session.panes.active.lights.clone();
-        file.settings = session.panes.active.settings.clone();
-        file.presets = session.panes.active.active_presets.clone();
         file.views = views_to_store(&session.views);
         file.path = (!session.path.is_empty()).then(|| session.path.clone());
         if session.panes.count() > 1 {

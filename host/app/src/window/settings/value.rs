@@ -1,5 +1,6 @@
 //! The widget of one setting's value: every kind, its range and unit.
 
+use egui::emath::Numeric;
 use egui::{ComboBox, DragValue, Response, Slider, SliderClamping, TextEdit, Ui};
 use pointstage_plugin_api::settings_schema::{
     ChoiceOption, NumberRange, Scale, SettingKind, SettingSchema, SettingValue, ValueError,
@@ -37,12 +38,12 @@ pub(super) fn value_ui(ui: &mut Ui, setting: &SettingSchema, value: &SettingValu
             Edited::new(response, changed.then_some(SettingValue::Bool(edited)))
         }
         (SettingKind::Int { range, .. }, SettingValue::Int(number)) => {
-            let (response, typed) = int_ui(ui, &setting.label, range, *number);
+            let (response, typed) = number_ui(ui, &setting.label, range, *number);
             let typed = typed.map(SettingValue::Int);
             checked(setting, response, typed, value)
         }
         (SettingKind::Float { range, .. }, SettingValue::Float(number)) => {
-            let (response, typed) = float_ui(ui, &setting.label, range, *number);
+            let (response, typed) = number_ui(ui, &setting.label, range, *number);
             let typed = typed.map(SettingValue::Float);
             checked(setting, response, typed, value)
         }
@@ -116,77 +117,49 @@ fn nearest_of(setting: &SettingSchema, typed: &SettingValue) -> Option<SettingVa
 }
 
 /// A slider over the soft range; typing reaches the hard range. Without any range, a number to drag or type.
-fn float_ui(
+fn number_ui<N: Numeric>(
     ui: &mut Ui,
     name: &str,
-    range: &NumberRange<f64>,
-    value: f64,
-) -> (Response, Option<f64>) {
+    range: &NumberRange<N>,
+    value: N,
+) -> (Response, Option<N>) {
     let mut edited = value;
-    let response = if let Some((low, high)) =
-        slider_ends(range.soft_min, range.min, range.soft_max, range.max)
-    {
+    let step = range.step.map(N::to_f64);
+    let max_decimals = if N::INTEGRAL { 0 } else { 6 };
+    let response = if let Some((low, high)) = slider_ends(range) {
         let mut slider = Slider::new(&mut edited, low..=high)
             .clamping(SliderClamping::Never)
             .logarithmic(range.scale == Scale::Logarithmic)
             .suffix(suffix(&range.unit))
-            .max_decimals(6);
-        if range.scale == Scale::Logarithmic && low > 0.0 {
-            slider = slider.smallest_positive(low);
+            .max_decimals(max_decimals);
+        if range.scale == Scale::Logarithmic && low.to_f64() > 0.0 {
+            slider = slider.smallest_positive(low.to_f64());
         }
-        if let Some(step) = range.step {
+        if let Some(step) = step {
             slider = slider.step_by(step);
         }
         ui.add(slider)
     } else {
-        let speed = range.step.unwrap_or_else(|| (value.abs() * 0.01).max(1e-3));
-        ui.add(
-            DragValue::new(&mut edited)
-                .speed(speed)
-                .suffix(suffix(&range.unit))
-                .max_decimals(6),
-        )
+        let number = DragValue::new(&mut edited)
+            .suffix(suffix(&range.unit))
+            .max_decimals(max_decimals);
+        // Whole numbers go at the toolkit's own speed.
+        let number = if N::INTEGRAL {
+            number
+        } else {
+            number.speed(step.unwrap_or_else(|| (value.to_f64().abs() * 0.01).max(1e-3)))
+        };
         // The toolkit would call a number with a unit by its unit.
-        .accessible_name(name)
+        ui.add(number).accessible_name(name)
     };
-    let is_edited = response.changed() && edited.is_finite() && edited != value;
-    (response, is_edited.then_some(edited))
-}
-
-fn int_ui(
-    ui: &mut Ui,
-    name: &str,
-    range: &NumberRange<i64>,
-    value: i64,
-) -> (Response, Option<i64>) {
-    let mut edited = value;
-    let response = if let Some((low, high)) =
-        slider_ends(range.soft_min, range.min, range.soft_max, range.max)
-    {
-        let mut slider = Slider::new(&mut edited, low..=high)
-            .clamping(SliderClamping::Never)
-            .logarithmic(range.scale == Scale::Logarithmic)
-            .suffix(suffix(&range.unit));
-        if let Some(step) = range.step {
-            slider = slider.step_by(step as f64);
-        }
-        ui.add(slider)
-    } else {
-        ui.add(DragValue::new(&mut edited).suffix(suffix(&range.unit)))
-            .accessible_name(name)
-    };
-    let is_edited = response.changed() && edited != value;
+    let is_edited = response.changed() && edited.to_f64().is_finite() && edited != value;
     (response, is_edited.then_some(edited))
 }
 
 /// Ends of the slider: the soft range, where it is absent the hard one; `None` if a side is open.
-fn slider_ends<T>(
-    soft_min: Option<T>,
-    min: Option<T>,
-    soft_max: Option<T>,
-    max: Option<T>,
-) -> Option<(T, T)> {
-    soft_min.or(min).zip(soft_max.or(max))
+fn slider_ends<N: Copy>(range: &NumberRange<N>) -> Option<(N, N)> {
+    let low = range.soft_min.or(range.min);
+    low.zip(range.soft_max.or(range.max))
 }
 
 fn suffix(unit: &str) -> String {
