@@ -45,7 +45,7 @@ pub use load::{
 };
 pub use marks::{MarkMode, Marks};
 pub use pointstage_texels::PictureFile;
-pub use save::{PlyEncoding, SaveError, SaveFormat, save, write_ply, write_sfl};
+pub use save::{PlyEncoding, SaveError, SaveFormat, Saved, save, write_ply, write_sfl};
 pub use scene::{Material, Object, ObjectId, Revision, Scene};
 pub use textures::{NO_PICTURE, Textures};
 pub use warnings::{Warning, WarningKind, Warnings};

@@ -21,6 +21,18 @@ pub struct Textures {
     pub uvs: Arc<[[[f32; 2]; 3]]>,
 }
 
+/// A number that tells pictures from others: FNV-1a, 64 bits, of their lengths and bytes. It is stored in files.
+pub(crate) fn fingerprint(pictures: &[PictureFile]) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for picture in pictures {
+        let length = (picture.bytes.len() as u64).to_le_bytes();
+        for byte in length.iter().chain(picture.bytes.iter()) {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+    hash
+}
+
 /// What triangles take from pictures, while they are collected.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TriangleTextures {

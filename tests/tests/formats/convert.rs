@@ -324,3 +324,27 @@ fn several_files_become_one_where_they_are_merged() -> Result<()> {
     assert!(alone.status.success(), "{}", alone.stderr);
     Ok(())
 }
+
+#[test]
+fn textures_go_beside_a_ply_file_and_replace_nothing() -> Result<()> {
+    let program = Program::find()?;
+    let at = |name: &str| program.home().join(name);
+    std::fs::write(at("corners.ply"), crate::kept_textures::CORNERS)?;
+    let wood = crate::textures::encoded(&crate::textures::halves(64), image::ImageFormat::Png)?;
+    std::fs::write(at("wood.png"), &wood)?;
+    std::fs::write(at("new.png"), "mine")?;
+    let said = converted(&program, &at("corners.ply"), &at("new.ply"), &[])?;
+    assert!(said.contains("new_2.png: picture of its texture"), "{said}");
+    assert!(!said.contains("left out: the surfels"), "{said}");
+    assert_eq!(std::fs::read(at("new_2.png"))?, wood);
+    assert_eq!(std::fs::read(at("new.png"))?, b"mine");
+    let back = read(&at("new.ply"))?;
+    let textures = crate::kept_textures::textures(&back.object.geometry)?;
+    assert_eq!(*textures.pictures[0].bytes, *wood);
+    let said = converted(&program, &at("corners.ply"), &at("new.sfl"), &[])?;
+    assert!(
+        said.contains("warning") && said.contains("SFL files hold no textures"),
+        "{said}"
+    );
+    Ok(())
+}

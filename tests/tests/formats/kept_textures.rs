@@ -17,7 +17,7 @@ use crate::meshes::lines;
 use crate::textures::{LIBRARY, SQUARE, encoded, glb, halves, load};
 
 /// A square whose corners lie on a picture, and a triangle on one that is not there.
-const CORNERS: &str = "\
+pub(crate) const CORNERS: &str = "\
 ply
 format ascii 1.0
 comment TextureFile there is none.png
@@ -65,7 +65,7 @@ end_header
 ";
 
 /// How many triangles lie on a picture; each at (x, 1 − y).
-fn placed(geometry: &Geometry) -> Result<usize> {
+pub(crate) fn placed(geometry: &Geometry) -> Result<usize> {
     let textures = textures(geometry)?;
     let triangles = geometry.triangles.as_deref().context("no triangles")?;
     ensure!(textures.of_triangle.len() == triangles.len());
@@ -91,7 +91,7 @@ fn placed(geometry: &Geometry) -> Result<usize> {
     Ok(count)
 }
 
-fn textures(geometry: &Geometry) -> Result<&Arc<Textures>> {
+pub(crate) fn textures(geometry: &Geometry) -> Result<&Arc<Textures>> {
     geometry.textures.as_ref().context("no textures")
 }
 

@@ -12,6 +12,7 @@ mod kept_textures;
 mod long;
 mod meshes;
 mod points;
+mod saved_textures;
 mod scans;
 mod shared_points;
 mod small;

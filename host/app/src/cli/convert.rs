@@ -202,9 +202,12 @@ impl Plan {
         if self.format == SaveFormat::Sfl {
             advise(from, &object);
         }
-        let warnings = with_progress(&name, |job| save(&object, to, self.format, job))?;
-        tell(to, &warnings);
+        let saved = with_progress(&name, |job| save(&object, to, self.format, job))?;
+        tell(to, &saved.warnings);
         let geometry = &object.geometry;
+        for picture in &saved.pictures {
+            eprintln!("{}: picture of its texture", picture.display());
+        }
         eprintln!(
             "{}: {} surfels, {} triangles",
             to.display(),

@@ -4,7 +4,9 @@
 //! columns; only where a column came from is forgotten. A file that is saved appears whole or not at all.
 
 mod columns;
+mod pictures;
 mod ply;
+mod ply_faces;
 mod ply_row;
 mod sfl;
 mod whole_file;
@@ -15,6 +17,8 @@ use std::path::{Path, PathBuf};
 pub use ply::write_ply;
 pub use ply_row::PlyEncoding;
 pub use sfl::write_sfl;
+
+use pictures::Beside;
 
 use crate::job::{Cancelled, Job};
 use crate::scene::Object;
@@ -73,26 +77,47 @@ impl SaveFormat {
     }
 }
 
+/// What was saved.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Saved {
+    /// What the file does not hold, or holds otherwise.
+    pub warnings: Warnings,
+    /// The files of the pictures that it names, beside it.
+    pub pictures: Vec<PathBuf>,
+}
+
 /// Saves an object as a file.
+///
+/// The pictures of textures go beside a PLY file, as `NAME.png`, `NAME_2.png` and so on, or `.jpg`: the bytes that they were read
+/// from. A file of that name that is no such picture is left as it is, and the next name taken.
 ///
 /// Thread: any; takes seconds for large objects. Stops soon after `job` is cancelled.
 ///
 /// # Errors
-/// The file cannot be written, or would be larger than its format can be, or the job was cancelled. An older file of this
-/// name is then as it was.
+/// The file, or a picture, cannot be written, or would be larger than its format can be, or the job was cancelled. An older file
+/// of this name is then as it was, and no new picture is left.
 pub fn save(
     object: &Object,
     path: &Path,
     format: SaveFormat,
     job: &Job,
-) -> Result<Warnings, SaveError> {
+) -> Result<Saved, SaveError> {
     job.set_stage("writing");
+    let textures = object.geometry.textures.as_ref();
+    let pictures = match (format, textures) {
+        (SaveFormat::Ply(_), Some(textures)) => Beside::write(path, &textures.pictures, job)?,
+        _ => Beside::default(),
+    };
     let warnings = whole_file::write(path, |out| match format {
-        SaveFormat::Ply(encoding) => write_ply(object, encoding, job, out),
+        SaveFormat::Ply(encoding) => ply::write(object, encoding, &pictures.names(), job, out),
         SaveFormat::Sfl => write_sfl(object, job, out),
     })?;
     job.set_progress(1.0);
-    Ok(warnings)
+    Ok(Saved {
+        warnings,
+        pictures: pictures.keep(),
+    })
 }
 
 /// Surfels and triangles between two looks at the cancel flag.

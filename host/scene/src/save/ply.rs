@@ -5,6 +5,7 @@ use std::io::Write;
 use glam::DAffine3;
 
 use super::columns::{Present, axes_of, bytes_of, normal_of};
+use super::ply_faces::Faces;
 use super::ply_row::{PlyEncoding, Row};
 use super::{SaveError, Saving};
 use crate::geometry::{Block, NamedColumn, ScalarType};
@@ -52,7 +53,8 @@ enum Role {
 /// | named | its name; several components as `NAME[0]`, `NAME[1]` … |
 ///
 /// Radii and axes take the object's radius scale; a transform that scales takes radii by the cube root of its determinant. A named column whose name would be taken for one
-/// of the others gets another name, with a warning.
+/// of the others gets another name, with a warning. Textures are left out, with a warning: their pictures are files of their own,
+/// which only [`save`](super::save()) has a place for.
 ///
 /// # Errors
 /// `out` does not take it, or the job was cancelled.
@@ -62,20 +64,35 @@ pub fn write_ply(
     job: &Job,
     out: &mut impl Write,
 ) -> Result<Warnings, SaveError> {
+    write(object, encoding, &[], job, out)
+}
+
+/// Writes an object whose pictures have these names; without names, textures are left out.
+pub(super) fn write(
+    object: &Object,
+    encoding: PlyEncoding,
+    picture_names: &[String],
+    job: &Job,
+    out: &mut impl Write,
+) -> Result<Warnings, SaveError> {
     let geometry = &object.geometry;
     let present = Present::of(geometry);
     let mut warnings = Warnings::new();
     let world_from_local = object.world_from_local();
     let moved = (world_from_local != DAffine3::IDENTITY).then(|| Moved::new(world_from_local));
     let names = names(&present, &mut warnings);
-    if let Some(textures) = &geometry.textures {
+    if let Some(textures) = &geometry.textures
+        && picture_names.is_empty()
+    {
         let text = "textures are left out: the surfels keep the colours of their texels";
         warnings.add(
             WarningKind::Other(text.into()),
             textures.pictures.len() as u64,
         );
     }
-    let header = header(object, encoding, &present, &names, moved.is_some());
+    let is_mirrored = moved.as_ref().is_some_and(|moved| moved.mirror < 0.0);
+    let faces = Faces::of(geometry, picture_names, is_mirrored);
+    let header = header(object, encoding, &present, &names, moved.is_some(), &faces);
     out.write_all(header.as_bytes())?;
     let mut saving = Saving::new(job, geometry.surfel_count + geometry.triangle_count());
     let mut row = Row::new(encoding);
@@ -93,14 +110,9 @@ pub fn write_ply(
             row.end(out)?;
         }
     }
-    let is_mirrored = moved.is_some_and(|moved| moved.mirror < 0.0);
-    for &[a, b, c] in geometry.triangles.iter().flat_map(|all| all.iter()) {
+    for face in 0..faces.len() {
         saving.one_more()?;
-        let [b, c] = if is_mirrored { [c, b] } else { [b, c] };
-        row.push_u8(3);
-        for corner in [a, b, c] {
-            row.push_u32(corner);
-        }
+        faces.push(&mut row, face);
         row.end(out)?;
     }
     Ok(warnings)
@@ -112,14 +124,16 @@ fn header(
     present: &Present<'_>,
     names: &[String],
     is_moved: bool,
+    faces: &Faces<'_>,
 ) -> String {
     let geometry = &object.geometry;
     let mut lines = vec![
         "ply".to_owned(),
         format!("format {} 1.0", encoding.name()),
         "comment written by Pointstage".to_owned(),
-        format!("element vertex {}", geometry.surfel_count),
     ];
+    lines.extend(faces.comments(present.colours));
+    lines.push(format!("element vertex {}", geometry.surfel_count));
     let mut add = |kind: &str, names: &[&str]| {
         lines.extend(names.iter().map(|name| format!("property {kind} {name}")));
     };
@@ -148,13 +162,7 @@ fn header(
     }
     if geometry.triangles.is_some() {
         lines.push(format!("element face {}", geometry.triangle_count()));
-        // Most readers know no other type; only indices from 2³¹ on need it.
-        let kind = if i32::try_from(geometry.surfel_count).is_ok() {
-            "int"
-        } else {
-            "uint"
-        };
-        lines.push(format!("property list uchar {kind} vertex_indices"));
+        lines.extend(faces.properties(geometry.surfel_count));
     }
     lines.push("end_header\n".to_owned());
     lines.join("\n")

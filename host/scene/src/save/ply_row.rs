@@ -61,6 +61,10 @@ impl Row {
         self.push(ScalarType::U32, value.to_ne_bytes());
     }
 
+    pub(super) fn push_i32(&mut self, value: i32) {
+        self.push(ScalarType::I32, value.to_ne_bytes());
+    }
+
     pub(super) fn push_f64(&mut self, value: f64) {
         self.push(ScalarType::F64, value.to_ne_bytes());
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use pointstage_engine::stage::Severity;
-use pointstage_scene::{ObjectId, SaveError, SaveFormat, Warnings, save};
+use pointstage_scene::{ObjectId, SaveError, SaveFormat, Saved, save};
 
 use crate::window::app::App;
 use crate::window::dialogs::{PathField, object_path};
@@ -16,7 +16,7 @@ use crate::window::tasks::guarded;
 #[derive(Debug)]
 pub(crate) struct ObjectSaved {
     path: PathBuf,
-    warnings: Warnings,
+    saved: Saved,
 }
 
 impl App {
@@ -61,9 +61,9 @@ impl App {
         self.tasks.push(title, move |job| {
             guarded(
                 || match save(&object, &path, format, job) {
-                    Ok(warnings) => Finished::ObjectSaved(Box::new(ObjectSaved {
+                    Ok(saved) => Finished::ObjectSaved(Box::new(ObjectSaved {
                         path: path.clone(),
-                        warnings,
+                        saved,
                     })),
                     Err(SaveError::Cancelled(_)) => {
                         Finished::Stopped(format!("{}: saving cancelled", path.display()))
@@ -83,11 +83,24 @@ impl App {
     /// Says where the object is, and what its file does not hold.
     pub(in crate::window) fn tell_of_saved_object(&mut self, saved: &ObjectSaved) {
         let (now, path) = (Instant::now(), saved.path.display());
-        for warning in saved.warnings.iter() {
+        for warning in saved.saved.warnings.iter() {
             self.log
                 .say(Severity::Warning, format!("{path}: {warning}"), now);
         }
-        self.log
-            .say(Severity::Info, format!("{path} is saved"), now);
+        let names = saved
+            .saved
+            .pictures
+            .iter()
+            .filter_map(|file| file.file_name());
+        let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+        let text = if names.is_empty() {
+            format!("{path} is saved")
+        } else {
+            format!(
+                "{path} is saved, and its textures beside it: {}",
+                names.join(", ")
+            )
+        };
+        self.log.say(Severity::Info, text, now);
     }
 }

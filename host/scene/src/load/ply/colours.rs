@@ -4,6 +4,9 @@
 //! are those of the faces' corners (`texcoord`, with `texnumber` where there are several pictures), else those of the vertices
 //! (`texture_u`, `u` or `s`, and their partners). `pointstage_texels` says what a vertex takes.
 //!
+//! A comment `TextureColours` says that the vertices have the colours of these very pictures already, as files have that were saved
+//! here: then nothing is divided, and all colours and columns are as they were.
+//!
 //! Texture coordinates of corners become the columns `texture_u` and `texture_v`: of a vertex that has several, those of the
 //! first face that names it.
 
@@ -17,14 +20,16 @@ use pointstage_texels::{
 };
 
 use super::body::{Body, Stop};
+use super::header::NamedPictures;
+use super::places::{keep_pictures, triangles_of};
 use super::textures::Textures;
 use crate::geometry::{Provenance, ScalarType};
 use crate::job::Job;
 use crate::load::assemble::{
-    Built, ByteOrder, CornerLists, Corners, FaceData, FaceKind, Roles, RowSelection, Table,
-    TableColumn, write_native,
+    Built, ByteOrder, CornerLists, Corners, FaceKind, Roles, RowSelection, Table, TableColumn,
+    write_native,
 };
-use crate::textures::NO_PICTURE;
+use crate::textures::fingerprint;
 use crate::warnings::{WarningKind, Warnings};
 
 /// Names of columns that hold the texture coordinates of vertices.
@@ -47,7 +52,7 @@ pub(super) struct Found {
 /// Colours for rows of the vertices, where pictures or faces give any. Adds rows to the body where triangles are divided.
 pub(super) fn find(
     body: &mut Body<'_>,
-    names: &[String],
+    named: &NamedPictures,
     file: &Path,
     how: Textures,
     job: &Job,
@@ -61,39 +66,31 @@ pub(super) fn find(
         Corners::Triangles(_) => false,
     });
     let row_uvs = if corner_uvs { None } else { row_uvs(body) };
-    if how != Textures::None && !names.is_empty() && (corner_uvs || row_uvs.is_some()) {
-        let materials = read_pictures(names, file, warnings);
-        if materials.iter().any(|material| material.picture.is_some()) {
+    if how != Textures::None && !named.names.is_empty() && (corner_uvs || row_uvs.is_some()) {
+        let materials = read_pictures(&named.names, file, warnings);
+        let (pictures, indices) = picture_files(&materials);
+        let is_coloured = named
+            .coloured_by
+            .is_some_and(|known| known == fingerprint(&pictures));
+        if is_coloured && !pictures.is_empty() {
+            keep_pictures(body, row_uvs.as_deref(), &indices);
+            let lights = None;
+            return Ok(Found { lights, pictures });
+        }
+        if !pictures.is_empty() {
             let mut surface = surface(body, positions.clone(), row_uvs.as_deref());
-            let mut is_divided = false;
-            if how == Textures::Divide && !has_strips(body) {
-                job.set_stage("dividing triangles");
-                let divided = divide(&mut surface, &materials, MOST_VERTICES, || job.check())?;
-                warnings.add(
-                    WarningKind::Other(format!(
-                        "texture finer than {MOST_VERTICES} vertices can show: they take the mean of many texels"
-                    )),
-                    u64::from(divided.is_cut_short),
-                );
-                if !divided.parents.is_empty() {
-                    extend_tables(body, &divided.parents);
-                    body.faces = vec![triangles_of(&surface)];
-                    is_divided = true;
-                }
-            }
+            let is_divided = how == Textures::Divide
+                && !has_strips(body)
+                && divide_triangles(body, &mut surface, &materials, job, warnings)?;
             job.set_stage("taking colours from textures");
             let lights = Some(colours(&surface, &materials, |_| job.check())?);
             if corner_uvs {
                 add_uvs(body, &surface);
             }
-            let (pictures, indices) = picture_files(&materials);
-            if !is_divided {
-                for faces in &mut body.faces {
-                    keep_places(faces, row_uvs.as_deref());
-                }
-            }
-            for faces in &mut body.faces {
-                number_pictures(faces, &indices);
+            if is_divided {
+                body.faces = vec![triangles_of(&surface, &indices)];
+            } else {
+                keep_pictures(body, row_uvs.as_deref(), &indices);
             }
             return Ok(Found { lights, pictures });
         }
@@ -135,6 +132,28 @@ pub(super) fn find(
         lights,
         pictures: Vec::new(),
     })
+}
+
+/// Divides triangles that are coarser than their picture, and adds rows for the new vertices; whether there were any.
+fn divide_triangles(
+    body: &mut Body<'_>,
+    surface: &mut Surface,
+    materials: &[Material],
+    job: &Job,
+    warnings: &mut Warnings,
+) -> Result<bool, Stop> {
+    job.set_stage("dividing triangles");
+    let divided = divide(surface, materials, MOST_VERTICES, || job.check())?;
+    warnings.add(
+        WarningKind::Other(format!(
+            "texture finer than {MOST_VERTICES} vertices can show: they take the mean of many texels"
+        )),
+        u64::from(divided.is_cut_short),
+    );
+    if !divided.parents.is_empty() {
+        extend_tables(body, &divided.parents);
+    }
+    Ok(!divided.parents.is_empty())
 }
 
 /// Gives surfels the colours of their rows; where a row has none, the surfel keeps its own, or is white.
@@ -279,64 +298,6 @@ fn surface(body: &Body<'_>, positions: Vec<[f64; 3]>, row_uvs: Option<&[[f32; 2]
         }
     }
     surface
-}
-
-/// A surface's triangles as corners of a file, with what they take from pictures.
-fn triangles_of(surface: &Surface) -> Corners {
-    Corners::Lists(CornerLists {
-        kind: FaceKind::Polygons,
-        lengths: vec![3; surface.triangles.len()],
-        corners: surface.triangles.as_flattened().to_vec(),
-        with_holes: 0,
-        data: FaceData {
-            uvs: surface.uvs.as_flattened().to_vec(),
-            pictures: surface.materials.clone(),
-            colours: Vec::new(),
-        },
-    })
-}
-
-/// Texture coordinates of all corners from the top of the picture, those of `row_uvs` where faces have none of their own; the first
-/// picture where faces name none. Strips have neither.
-fn keep_places(faces: &mut Corners, row_uvs: Option<&[[f32; 2]]>) {
-    if let Corners::Triangles(triangles) = faces {
-        *faces = Corners::Lists(CornerLists {
-            kind: FaceKind::Polygons,
-            lengths: vec![3; triangles.corners.len()],
-            corners: triangles.corners.as_flattened().to_vec(),
-            with_holes: 0,
-            data: FaceData::default(),
-        });
-    }
-    let Corners::Lists(lists) = faces else {
-        return;
-    };
-    if lists.kind == FaceKind::Strips {
-        lists.data = FaceData::default();
-        return;
-    }
-    let FaceData { uvs, pictures, .. } = &mut lists.data;
-    if uvs.is_empty() {
-        let of_row = |row: &u32| {
-            let uv = row_uvs.and_then(|uvs| uvs.get(*row as usize));
-            uv.copied().unwrap_or([f32::NAN; 2])
-        };
-        uvs.extend(lists.corners.iter().map(of_row));
-    }
-    for [_, v] in uvs {
-        *v = 1.0 - *v;
-    }
-    pictures.resize(lists.lengths.len(), 0);
-}
-
-/// Pictures by their index among those that were read.
-fn number_pictures(faces: &mut Corners, indices: &[Option<u32>]) {
-    if let Corners::Lists(lists) = faces {
-        for picture in &mut lists.data.pictures {
-            let index = indices.get(*picture as usize);
-            *picture = index.copied().flatten().unwrap_or(NO_PICTURE);
-        }
-    }
 }
 
 /// Adds a row for each pair of rows, in their middle: means of floats, bytes and 16-bit numbers, which measure; of longer whole

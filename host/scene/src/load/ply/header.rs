@@ -19,14 +19,22 @@ pub(super) enum Encoding {
 pub(super) struct PlyHeader {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// Names of pictures, in the order of their comments `TextureFile`.
-    pub(super) textures: Vec<String>,
+    pub(super) pictures: NamedPictures,
     /// Offset of the body's first byte.
     pub(super) body_start: usize,
     /// Lines of the header, so that messages can count on.
     pub(super) line_count: u64,
     /// What ends a line: `\n`, or `\r` in files of the old Macintosh.
     pub(super) line_end: u8,
+}
+
+/// What comments say of pictures.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct NamedPictures {
+    /// Their names, in the order of their comments `TextureFile`.
+    pub(super) names: Vec<String>,
+    /// Fingerprint of those whose colours the vertices have already, of the comment `TextureColours`.
+    pub(super) coloured_by: Option<u64>,
 }
 
 /// A table of the body.
@@ -127,7 +135,7 @@ impl PlyHeader {
         lines.next_line()?;
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
-        let mut textures = Vec::new();
+        let mut pictures = NamedPictures::default();
         loop {
             let text = lines.next_line()?;
             let line = lines.line;
@@ -153,7 +161,10 @@ impl PlyHeader {
                     // Names may hold blanks.
                     let text = String::from_utf8_lossy(text);
                     let name = text.split_once("TextureFile").map_or("", |(_, name)| name);
-                    textures.push(name.trim().to_owned());
+                    pictures.names.push(name.trim().to_owned());
+                }
+                ["comment", "TextureColours", fingerprint] => {
+                    pictures.coloured_by = u64::from_str_radix(fingerprint, 16).ok();
                 }
                 ["comment" | "obj_info", ..] | [] => {}
                 ["format", name, _version] => {
@@ -191,7 +202,7 @@ impl PlyHeader {
         Ok(Self {
             encoding,
             elements,
-            textures,
+            pictures,
             body_start: lines.position,
             line_count: lines.line,
             line_end,

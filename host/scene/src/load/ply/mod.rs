@@ -16,6 +16,7 @@ mod error;
 mod face_data;
 mod header;
 pub(in crate::load) mod number;
+mod places;
 mod plan;
 mod row;
 mod text;
@@ -94,9 +95,9 @@ fn read(
     let header = PlyHeader::parse(file)?;
     let uses = plan::plan(&header)?;
     let mut body = Body::read(file, &header, &uses, job, &mut warnings)?;
-    let (names, path) = (&header.textures, source.path());
+    let (named, path) = (&header.pictures, source.path());
     let Found { lights, pictures } =
-        colours::find(&mut body, names, path, textures, job, &mut warnings)?;
+        colours::find(&mut body, named, path, textures, job, &mut warnings)?;
     let Body { tables, faces } = body;
     let faces = FileFaces {
         corners: faces,

@@ -39,7 +39,7 @@ const FORMAT_VERSION: u32 = 1;
 /// Centres, radii, normals (as floats), colours (as diffuse colours, RGBA), tangent axes and the named columns that have the
 /// name and the form of a property of SFL become properties. The object's origin and transform become the transform of the
 /// set, in floats; what an origin loses by that is added to the centres. A column `surfel_set` cuts the object into sets.
-/// Other named columns and triangles are left out, with a warning.
+/// Other named columns, triangles and textures are left out, with a warning.
 ///
 /// # Errors
 /// The file would be larger than 4 GiB, or `out` does not take it, or the job was cancelled.
@@ -50,6 +50,14 @@ pub fn write_sfl(object: &Object, job: &Job, out: &mut impl Write) -> Result<War
     if geometry.triangles.is_some() {
         let text = "SFL files hold no triangles: left out";
         warnings.add(WarningKind::Other(text.into()), 1);
+    }
+    if let Some(textures) = &geometry.textures {
+        let text =
+            "SFL files hold no textures: left out, the surfels keep the colours of their texels";
+        warnings.add(
+            WarningKind::Other(text.into()),
+            textures.pictures.len() as u64,
+        );
     }
     let sets = set_lengths(object);
     let record = Record::plan(&present, sets.is_some(), object.radius_scale, &mut warnings);
