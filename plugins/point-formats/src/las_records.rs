@@ -2,9 +2,11 @@
 
 use std::io::Cursor;
 
+use ::laz::ParLasZipDecompressor;
 use las::Header;
-use laz::ParLasZipDecompressor;
 use pointstage_plugin_api::{Error, Result};
+
+use crate::laz::Chunks;
 
 /// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
 const POINTS_AT_ONCE: u64 = 400_000;
@@ -21,10 +23,18 @@ pub(crate) enum Records<'a> {
 
 /// Records that are decompressed.
 pub(crate) struct Packed<'a> {
-    decompressor: ParLasZipDecompressor<Cursor<&'a [u8]>>,
+    decompressor: Decompressor<'a>,
     stride: usize,
     expected: u64,
     read: u64,
+}
+
+/// What decompresses records.
+enum Decompressor<'a> {
+    /// Ours, for most files.
+    Own(Chunks<'a>),
+    /// That of the crate `laz`, for the others.
+    Crate(Box<ParLasZipDecompressor<Cursor<&'a [u8]>>>),
 }
 
 impl<'a> Records<'a> {
@@ -74,8 +84,14 @@ impl<'a> Packed<'a> {
         }
         let mut source = Cursor::new(file);
         source.set_position(start);
-        let decompressor =
-            ParLasZipDecompressor::new(source, description).map_err(|error| unknown(&error))?;
+        let decompressor = ParLasZipDecompressor::new(source, description.clone())
+            .map_err(|error| unknown(&error))?;
+        let chunks = Chunks::new(file, start, &description, BYTES_AT_ONCE)
+            .map_err(|error| unknown(&error))?;
+        let decompressor = match chunks {
+            Some(chunks) => Decompressor::Own(chunks),
+            None => Decompressor::Crate(Box::new(decompressor)),
+        };
         Ok(Self {
             decompressor,
             stride,
@@ -90,16 +106,28 @@ impl<'a> Packed<'a> {
     /// They cannot be decompressed.
     pub(crate) fn next(&mut self, records: &mut Vec<u8>) -> Result<()> {
         let most = (BYTES_AT_ONCE / self.stride as u64).clamp(1, POINTS_AT_ONCE);
-        let count = most.min(self.expected - self.read);
-        records.resize(count as usize * self.stride, 0);
-        if count > 0 {
-            self.decompressor.decompress_many(records).map_err(|error| {
-                Error::failed(format!(
-                    "expected {} points, but behind point {} comes what cannot be read: {error}; the file is damaged or truncated, copy it again",
-                    self.expected, self.read
-                ))
-            })?;
-        }
+        let left = self.expected - self.read;
+        let damaged = |problem: &dyn std::fmt::Display| {
+            Error::failed(format!(
+                "expected {} points, but behind point {} comes what cannot be read: {problem}; the file is damaged or truncated, copy it again",
+                self.expected, self.read
+            ))
+        };
+        let count = match &mut self.decompressor {
+            Decompressor::Own(chunks) => chunks
+                .next(records, most, left)
+                .map_err(|problem| damaged(&problem))?,
+            Decompressor::Crate(decompressor) => {
+                let count = most.min(left);
+                records.resize(count as usize * self.stride, 0);
+                if count > 0 {
+                    decompressor
+                        .decompress_many(records)
+                        .map_err(|problem| damaged(&problem))?;
+                }
+                count
+            }
+        };
         self.read += count;
         Ok(())
     }

@@ -8,6 +8,7 @@ mod las_columns;
 mod las_extra;
 mod las_records;
 mod las_scan;
+mod laz;
 mod lzf;
 mod pcd;
 mod pcd_header;

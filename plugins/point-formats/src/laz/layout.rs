@@ -1,0 +1,55 @@
+//! Which fields a record has and how they are compressed.
+
+use ::laz::{LazItem, LazItemType};
+
+use super::{colour, point10, point14};
+
+/// The fields of a record that we decompress ourselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Layout {
+    /// Whether each field has a stream of its own, as in the point formats 6 to 10.
+    pub(super) is_layered: bool,
+    /// Whether a time follows the point; in layered ones it is part of the point.
+    pub(super) has_time: bool,
+    pub(super) has_colour: bool,
+}
+
+impl Layout {
+    /// The layout of a record of such items; `None` for those that are left to the crate `laz`: other versions, extra bytes,
+    /// infrared and wave packets.
+    pub(crate) fn of(items: &[LazItem]) -> Option<Self> {
+        let items: Vec<_> = items
+            .iter()
+            .map(|item| (item.item_type(), item.version()))
+            .collect();
+        let (is_layered, rest) = match items.split_first()? {
+            ((LazItemType::Point10, 2), rest) => (false, rest),
+            ((LazItemType::Point14, 3), rest) => (true, rest),
+            _ => return None,
+        };
+        let (has_time, has_colour) = match (is_layered, rest) {
+            (_, []) => (false, false),
+            (false, [(LazItemType::GpsTime, 2)]) => (true, false),
+            (false, [(LazItemType::RGB12, 2)]) | (true, [(LazItemType::RGB14, 3)]) => (false, true),
+            (false, [(LazItemType::GpsTime, 2), (LazItemType::RGB12, 2)]) => (true, true),
+            _ => return None,
+        };
+        Some(Self {
+            is_layered,
+            has_time,
+            has_colour,
+        })
+    }
+
+    /// Bytes of a record.
+    pub(crate) fn stride(self) -> usize {
+        let point = if self.is_layered {
+            point14::BYTES
+        } else {
+            point10::BYTES
+        };
+        let time = if self.has_time { size_of::<f64>() } else { 0 };
+        let colour = if self.has_colour { colour::BYTES } else { 0 };
+        point + time + colour
+    }
+}

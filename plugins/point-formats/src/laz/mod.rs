@@ -1,0 +1,39 @@
+//! Decompression of LAZ, about twice as fast as by the crate `laz`, for the layouts that most files have.
+//!
+//! A LAZ file is a row of chunks, each of which begins afresh: its first record lies there as it is, all others are differences
+//! from what the records before foretell, packed by an adaptive arithmetic coder (Isenburg, *LASzip: lossless compression of LiDAR
+//! data*, PE&RS 79(2), 2013). Such a coder is one long chain: each symbol narrows the interval in which the next is looked up, so
+//! a processor waits most of the time. So each thread decompresses two chunks at once, in lockstep ([`lanes`]): the steps of one
+//! fill the waits of the other, as long as no branch depends on what is read ([`decoder`], [`model`]).
+//!
+//! * [`table`]: the chunks of a file; [`layout`]: which files, the others are left to the crate `laz`
+//! * [`lanes`]: chunks to threads, two at once on each
+//! * [`chunked`]: one stream of all fields, of [`point10`], [`gps_time`] and [`colour`]
+//! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`]
+//! * [`integer`], [`median`]: numbers and what foretells them
+//! * [`model`], [`decoder`]: the arithmetic coder
+//!
+//! Bytes are the same as those of `laz`, also where LASzip has oddities; so the tests compare them.
+
+#![allow(
+    clippy::inline_always,
+    reason = "the steps of two chunks run side by side only if they lie in one function"
+)]
+
+mod chunked;
+mod colour;
+mod decoder;
+mod gps_time;
+mod integer;
+mod lanes;
+mod layered;
+mod layout;
+mod median;
+mod model;
+mod point10;
+mod point14;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use table::Chunks;

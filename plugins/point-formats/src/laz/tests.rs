@@ -1,0 +1,263 @@
+//! What the crate `laz` has compressed comes out as it was, for all layouts, and damage is found or at least survived.
+
+use std::io::Cursor;
+
+use ::laz::{LasZipCompressor, LazItem, LazItemRecordBuilder, LazItemType, LazVlr, LazVlrBuilder};
+
+use super::lanes::{Chunk, Incomplete, decompress};
+use super::layout::Layout;
+use super::table::Chunks;
+
+/// Random numbers (xorshift, Marsaglia 2003).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: u64) -> u64 {
+        (self.next() >> 16) % end
+    }
+}
+
+/// How records follow each other.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// All are the same.
+    Constant,
+    /// Each number differs a little, or not at all, from that of the record before.
+    Walk,
+    /// As a scanner's: some fields change now and then.
+    Scan,
+    /// Any bytes.
+    Noise,
+}
+
+const KINDS: [Kind; 4] = [Kind::Constant, Kind::Walk, Kind::Scan, Kind::Noise];
+
+/// The items of all layouts that are ours, with their versions.
+fn layouts() -> Vec<Vec<LazItem>> {
+    use LazItemType::{GpsTime, Point10, Point14, RGB12, RGB14};
+    [
+        &[Point10][..],
+        &[Point10, GpsTime],
+        &[Point10, RGB12],
+        &[Point10, GpsTime, RGB12],
+        &[Point14],
+        &[Point14, RGB14],
+    ]
+    .map(items)
+    .to_vec()
+}
+
+fn stride(items: &[LazItem]) -> usize {
+    items.iter().map(|item| usize::from(item.size())).sum()
+}
+
+fn items(types: &[LazItemType]) -> Vec<LazItem> {
+    let mut builder = LazItemRecordBuilder::new();
+    for item in types {
+        builder.add_item(*item);
+    }
+    builder.build()
+}
+
+/// So many records, one after another.
+fn records(kind: Kind, items: &[LazItem], count: usize, random: &mut Random) -> Vec<u8> {
+    let stride = stride(items);
+    // The crate's compressor subtracts times, as whole numbers of 64 bits, and must not overflow.
+    let time_end = match items {
+        [point, ..] if point.item_type() == LazItemType::Point14 => Some(29),
+        [_, time, ..] if time.item_type() == LazItemType::GpsTime => Some(27),
+        _ => None,
+    };
+    let mut record: Vec<u8> = (0..stride).map(|_| random.next() as u8).collect();
+    let mut all = Vec::new();
+    for _ in 0..count {
+        if let Some(at) = time_end {
+            record[at] &= 0x3F;
+        }
+        all.extend_from_slice(&record);
+        match kind {
+            Kind::Constant => {}
+            Kind::Walk => {
+                for number in record.chunks_mut(2) {
+                    let step = random.below(5) as u8;
+                    number[0] = number[0].wrapping_add(step.saturating_sub(2));
+                }
+            }
+            Kind::Scan => {
+                for field in record.chunks_mut(4) {
+                    let bits = random.below(20);
+                    if bits < 16 {
+                        let step = random.below(1 << bits) as u32;
+                        let mut bytes = [0; 4];
+                        bytes[..field.len()].copy_from_slice(field);
+                        let number = u32::from_le_bytes(bytes).wrapping_add(step);
+                        field.copy_from_slice(&number.to_le_bytes()[..field.len()]);
+                    }
+                }
+            }
+            Kind::Noise => record.fill_with(|| random.next() as u8),
+        }
+    }
+    all
+}
+
+/// Compressed records, in chunks of so many points, in turn; a single size is the same for all.
+fn compressed(items: &[LazItem], records: &[u8], sizes: &[u32]) -> (Vec<u8>, LazVlr) {
+    let builder = LazVlrBuilder::new(items.to_vec());
+    let description = match sizes {
+        [size] => builder.with_fixed_chunk_size(*size),
+        _ => builder.with_variable_chunk_size(),
+    }
+    .build();
+    let mut out = Cursor::new(Vec::new());
+    let mut compressor = LasZipCompressor::new(&mut out, description.clone()).unwrap();
+    let stride = description.items_size() as usize;
+    if let [_] = sizes {
+        compressor.compress_many(records).unwrap();
+    } else {
+        let mut rest = records;
+        for size in sizes.iter().cycle() {
+            let (chunk, behind) = rest.split_at(rest.len().min(*size as usize * stride));
+            compressor.compress_many(chunk).unwrap();
+            rest = behind;
+            if rest.is_empty() {
+                break;
+            }
+            compressor.finish_current_chunk().unwrap();
+        }
+    }
+    compressor.done().unwrap();
+    drop(compressor);
+    (out.into_inner(), description)
+}
+
+/// All records of a file, in runs of about so many points.
+fn read(file: &[u8], description: &LazVlr, count: u64, run: u64) -> Result<Vec<u8>, Incomplete> {
+    let mut chunks = Chunks::new(file, 0, description, 1 << 24).unwrap().unwrap();
+    let (mut all, mut records, mut left) = (Vec::new(), vec![1; 7], count);
+    while left > 0 {
+        left -= chunks.next(&mut records, run, left)?;
+        all.extend_from_slice(&records);
+    }
+    assert_eq!(chunks.next(&mut records, run, 0), Ok(0));
+    Ok(all)
+}
+
+#[test]
+fn what_was_compressed_comes_out() {
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    for items in layouts() {
+        for kind in KINDS {
+            for (count, sizes) in [
+                (1, &[50][..]),
+                (1200, &[50_000]),
+                (1500, &[400]),
+                (100, &[1]),
+                (1500, &[1, 300, 2, 40, 500]),
+            ] {
+                let wanted = records(kind, &items, count, &mut random);
+                let (file, description) = compressed(&items, &wanted, sizes);
+                for run in [1, 1 << 20] {
+                    let found = read(&file, &description, count as u64, run);
+                    let same = found.as_ref() == Ok(&wanted);
+                    assert!(same, "{items:?} {kind:?} {count} {sizes:?} {run}");
+                }
+            }
+        }
+    }
+}
+
+/// Long chunks: the models' counts are halved, and their cycles are at their longest.
+#[test]
+fn long_chunks_come_out() {
+    let mut random = Random(7);
+    for items in layouts() {
+        let wanted = records(Kind::Walk, &items, 30_000, &mut random);
+        let (file, description) = compressed(&items, &wanted, &[15_000]);
+        let found = read(&file, &description, 30_000, 1 << 20);
+        assert!(found == Ok(wanted), "{items:?}");
+    }
+}
+
+#[test]
+fn damage_is_found_or_survived() {
+    let mut random = Random(3);
+    for items in layouts() {
+        let stride = stride(&items);
+        let layout = Layout::of(&items).unwrap();
+        let wanted = records(Kind::Scan, &items, 400, &mut random);
+        let (file, description) = compressed(&items, &wanted, &[400]);
+        let table = ::laz::laszip::ChunkTable::read_from(Cursor::new(&file), &description).unwrap();
+        let bytes = table.as_ref()[0].byte_count as usize;
+        let whole = &file[8..8 + bytes];
+        let decompressed = |input: &[u8], count: usize| {
+            let mut output = vec![0; count * stride];
+            let chunk = Chunk {
+                input,
+                output: &mut output,
+            };
+            decompress(layout, vec![chunk]).map(|()| output)
+        };
+        assert!(decompressed(whole, 400) == Ok(wanted), "{items:?}");
+        for end in (0..bytes - 16).step_by(7) {
+            assert_eq!(
+                decompressed(&whole[..end], 400),
+                Err(Incomplete),
+                "{items:?} {end}"
+            );
+        }
+        assert_eq!(decompressed(whole, 2000), Err(Incomplete), "{items:?}");
+        for _ in 0..200 {
+            let mut damaged = whole.to_vec();
+            for _ in 0..=random.below(8) {
+                let at = random.below(bytes as u64) as usize;
+                damaged[at] = random.next() as u8;
+            }
+            // Whatever comes out: no panic.
+            let _ = decompressed(&damaged, 400);
+        }
+    }
+}
+
+#[test]
+fn a_file_without_all_of_its_chunks_is_incomplete() {
+    let items = items(&[LazItemType::Point10]);
+    let wanted = records(Kind::Scan, &items, 900, &mut Random(5));
+    let (file, description) = compressed(&items, &wanted, &[400]);
+    assert_eq!(read(&file, &description, 1300, 1000), Err(Incomplete));
+}
+
+#[test]
+fn other_items_and_long_chunks_are_left_to_the_crate() {
+    use LazItemType::{Byte, Byte14, Point10, Point14, RGBNIR14};
+    for types in [
+        &[Point10, Byte(3)][..],
+        &[Point14, RGBNIR14],
+        &[Point14, Byte14(2)],
+    ] {
+        assert_eq!(Layout::of(&items(types)), None, "{types:?}");
+    }
+    let items = items(&[Point10]);
+    let (file, description) = compressed(
+        &items,
+        &records(Kind::Walk, &items, 10, &mut Random(1)),
+        &[400],
+    );
+    assert!(
+        Chunks::new(&file, 0, &description, 400 * 20)
+            .unwrap()
+            .is_some()
+    );
+    assert!(
+        Chunks::new(&file, 0, &description, 399 * 20)
+            .unwrap()
+            .is_none()
+    );
+}
