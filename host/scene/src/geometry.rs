@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use bytes::Bytes;
 use glam::{DVec3, Vec3};
 use pointstage_plugin_api::columns::{MAX_BLOCK_SURFELS, decode_normal};
 
@@ -55,8 +56,8 @@ pub struct NamedColumn {
     pub scalar: ScalarType,
     /// Components a surfel.
     pub components: u32,
-    /// The values, native byte order, surfel by surfel. A vector, since what a loader collected becomes one without a copy.
-    pub bytes: Arc<Vec<u8>>,
+    /// The values, native byte order, surfel by surfel. Columns that were loaded together share one piece of memory.
+    pub bytes: Bytes,
 }
 
 /// Type of a scalar in a file or a named column.

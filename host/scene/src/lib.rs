@@ -40,8 +40,8 @@ pub use light::{Headlight, Light, LightKind, LightSpace, Lights, MAX_LIGHTS};
 pub use load::{
     BuildError, Claim, ColumnRole, ColumnSpec, Contents, Estimation, FaceRadius, FileStart,
     FormatError, LoadError, LoadOptions, LoadStop, Loaded, Loader, LoaderChoice, LoaderInfo,
-    Loaders, ObjectBuilder, Place, PlyError, QsError, START_BYTES, SflError, SourceFile, TriError,
-    UnknownLoader, Winding, load, load_with,
+    Loaders, ObjectBuilder, Place, PlyError, PositionScale, QsError, START_BYTES, SflError,
+    SourceFile, TriError, UnknownLoader, Winding, load, load_with,
 };
 pub use marks::{MarkMode, Marks};
 pub use pointstage_texels::PictureFile;

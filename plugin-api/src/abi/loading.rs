@@ -83,6 +83,15 @@ pub struct LoadTextureRecord<'a> {
     pub file: RSlice<'a, u8>,
 }
 
+/// What whole numbers of a position stand for: `value = scale · number + offset`, axis by axis, in f64.
+#[repr(C)]
+#[derive(StableAbi, Clone, Copy, Debug, PartialEq)]
+pub struct LoadScaleRecord {
+    pub scale: [f64; 3],
+    /// Scene units.
+    pub offset: [f64; 3],
+}
+
 /// Where a loader puts what it reads; the host checks every length. Thread: any, while the call lasts.
 #[sabi_trait]
 pub trait LoadSinkObject: Send + Sync {
@@ -117,6 +126,10 @@ pub trait LoadSinkObject: Send + Sync {
         _uvs: RSlice<'_, [f32; 2]>,
     ) -> RResult<(), ErrorRecord> {
         unsupported("this host keeps no textures")
+    }
+    /// Says what the numbers of the column of positions stand for, which must then be I32. Before the columns. Since 1.2.
+    fn scaled_positions(&self, _scale: &LoadScaleRecord) -> RResult<(), ErrorRecord> {
+        unsupported("this host takes positions as they are")
     }
 }
 pub type LoadSinkRef<'a> = LoadSinkObject_TO<'a, RRef<'a, ()>>;

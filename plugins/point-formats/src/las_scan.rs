@@ -7,7 +7,7 @@ use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFil
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
 use crate::columns::RUN;
-use crate::las_columns::{Colours, Layout, NAMES, Plan};
+use crate::las_columns::{Colours, Layout, NAMES, Plan, scale_of};
 use crate::las_extra::{Extra, described};
 use crate::las_records::{Packed, Records};
 
@@ -75,7 +75,9 @@ impl Loader for LasLoader {
                 1,
             );
         }
-        let plan = Plan::new(&header, Colours::of(largest), &extras);
+        let (scale, offset) = scale_of(&header);
+        let knows_scale = out.scaled_positions(scale, offset)?;
+        let plan = Plan::new(&header, knows_scale, Colours::of(largest), &extras);
         let expected = header.number_of_points();
         out.columns(&plan.columns(), expected)?;
         let mut handed = HandedOver {

@@ -6,11 +6,11 @@ use abi_stable::sabi_types::RRef;
 use abi_stable::std_types::{ROption, RResult, RSlice, RStr, RString};
 use pointstage_plugin_api::abi::{
     CallObject, CallObject_TO, CallRef, ColumnRole as BorderRole, ErrorCode, ErrorRecord,
-    ExtensionBox, LoadColumnRecord, LoadRowsRecord, LoadSinkObject, LoadSinkObject_TO, LoadSinkRef,
-    LoadTextureRecord, ScalarType as BorderScalar,
+    ExtensionBox, LoadColumnRecord, LoadRowsRecord, LoadScaleRecord, LoadSinkObject,
+    LoadSinkObject_TO, LoadSinkRef, LoadTextureRecord, ScalarType as BorderScalar,
 };
 use pointstage_scene::{
-    ColumnRole, ColumnSpec, Job, ObjectBuilder, ScalarType, WarningKind, Warnings,
+    ColumnRole, ColumnSpec, Job, ObjectBuilder, PositionScale, ScalarType, WarningKind, Warnings,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
@@ -37,6 +37,8 @@ pub(super) struct Sink<'a> {
 #[derive(Default)]
 struct State {
     builder: Option<ObjectBuilder>,
+    /// What whole numbers of positions stand for.
+    scale: Option<PositionScale>,
     /// Widths of the declared columns, bytes a surfel.
     widths: Vec<usize>,
     warnings: Warnings,
@@ -162,6 +164,11 @@ impl LoadSinkObject for Sink<'_> {
                 .map(|spec| spec.scalar.size() * spec.components as usize)
                 .collect();
             let mut builder = ObjectBuilder::new(specs).map_err(|error| error.to_string())?;
+            if let Some(scale) = state.scale {
+                builder
+                    .scale_positions(scale)
+                    .map_err(|error| error.to_string())?;
+            }
             let width: usize = state.widths.iter().sum();
             let most = self
                 .file_bytes
@@ -233,6 +240,19 @@ impl LoadSinkObject for Sink<'_> {
                 .builder()?
                 .add_polygon_pictures(textures.as_slice(), uvs.as_slice())
                 .map_err(|error| error.to_string())
+        })
+    }
+
+    fn scaled_positions(&self, scale: &LoadScaleRecord) -> RResult<(), ErrorRecord> {
+        self.change(|state| {
+            if state.builder.is_some() {
+                return Err("it declared the scale of positions after its columns".to_owned());
+            }
+            state.scale = Some(PositionScale {
+                scale: scale.scale.into(),
+                offset: scale.offset.into(),
+            });
+            Ok(())
         })
     }
 }

@@ -8,6 +8,11 @@ const POSITION: LoadColumnRecord<'static> = LoadColumnRecord {
     name: RStr::empty(),
 };
 
+const CENTIMETRES: LoadScaleRecord = LoadScaleRecord {
+    scale: [0.01; 3],
+    offset: [600_000.0, 0.0, -5.0],
+};
+
 fn rows<'a>(count: u64, columns: &'a [RSlice<'a, u8>]) -> LoadRowsRecord<'a> {
     LoadRowsRecord {
         count,
@@ -59,7 +64,7 @@ fn what_breaks_the_rules_is_refused_and_remembered() {
         sink.into_builder().expect_err("the rules were broken")
     };
     let short = [0_u8; 11];
-    let cases: [(Act<'_>, &str); 7] = [
+    let cases: [(Act<'_>, &str); 9] = [
         (&|_: &LoadSinkRef<'_>| (), "without declaring"),
         (
             &|sink| drop(sink.rows(&rows(1, &[short[..].into()]))),
@@ -118,10 +123,57 @@ fn what_breaks_the_rules_is_refused_and_remembered() {
             },
             "make no triangles",
         ),
+        (
+            &|sink| {
+                sink.columns([POSITION][..].into(), 0).unwrap();
+                drop(sink.scaled_positions(&CENTIMETRES));
+            },
+            "after its columns",
+        ),
+        (
+            &|sink| {
+                sink.scaled_positions(&CENTIMETRES).unwrap();
+                drop(sink.columns([POSITION][..].into(), 0));
+            },
+            "whole numbers of 32 bits, found F32",
+        ),
     ];
     for (act, part) in cases {
         let problem = broken(act);
         assert!(problem.contains(part), "{part}: {problem}");
+    }
+}
+
+#[test]
+fn whole_numbers_stand_for_positions() {
+    let job = Job::new();
+    let sink = Sink::new(&job, 1 << 20);
+    let border = sink.border();
+    border.scaled_positions(&CENTIMETRES).unwrap();
+    let numbers = LoadColumnRecord {
+        scalar: BorderScalar::I32,
+        ..POSITION
+    };
+    border.columns([numbers][..].into(), 2).unwrap();
+    let bytes: Vec<u8> = [1_i32, 2, 3, -4, 500, 6]
+        .iter()
+        .flat_map(|value| value.to_ne_bytes())
+        .collect();
+    border.rows(&rows(2, &[bytes.as_slice().into()])).unwrap();
+    drop(border);
+    let options = LoadOptions {
+        estimation: Estimation::FileOnly,
+        ..LoadOptions::default()
+    };
+    let contents = sink.into_builder().unwrap().finish(&options, &job).unwrap();
+    let bounds = contents.geometry.bounds;
+    let (low, high) = (contents.origin + bounds.min, contents.origin + bounds.max);
+    let expected = [599_999.96, 0.02, -4.97, 600_000.01, 5.0, -4.94];
+    for (found, expected) in [low.x, low.y, low.z, high.x, high.y, high.z]
+        .into_iter()
+        .zip(expected)
+    {
+        assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
     }
 }
 

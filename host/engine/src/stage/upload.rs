@@ -133,7 +133,8 @@ impl SceneOnDevice {
                     .filter(|column| extra.columns.iter().any(|name| **name == *column.name))
                 {
                     wanted.insert(column.bytes.as_ptr().addr());
-                    self.upload(&column.bytes, "named column", || as_f32(column).into())?;
+                    let values = Arc::new(column.bytes.clone());
+                    self.upload(&values, "named column", || as_f32(column).into())?;
                 }
                 // What another renderer asked for stays while the scene has it.
                 wanted.extend(

@@ -25,12 +25,10 @@ fn named(name: &str, values: &[f32]) -> NamedColumn {
         name: name.into(),
         scalar: ScalarType::F32,
         components: 1,
-        bytes: Arc::new(
-            values
-                .iter()
-                .flat_map(|value| value.to_ne_bytes())
-                .collect(),
-        ),
+        bytes: values
+            .iter()
+            .flat_map(|value| value.to_ne_bytes())
+            .collect(),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bytemuck::Pod;
+use bytes::Bytes;
 use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
 use rayon::prelude::*;
 
@@ -85,12 +86,7 @@ fn block_of(blocks: &[Block], surfels: &[usize]) -> Block {
     };
     // All blocks have the same columns.
     let named = first.named.iter().enumerate().map(|(index, column)| {
-        let bytes = |block: &Block| {
-            block
-                .named
-                .get(index)
-                .map(|column| Arc::clone(&column.bytes))
-        };
+        let bytes = |block: &Block| block.named.get(index).map(|column| column.bytes.clone());
         let size = column.components as usize * column.scalar.size();
         NamedColumn {
             bytes: gather_bytes(blocks.iter().map(bytes), surfels, size),
@@ -122,11 +118,11 @@ fn gather<'a, T: Pod + Send + Sync>(
 
 /// The same for a column of `size` bytes a surfel.
 fn gather_bytes(
-    parts: impl Iterator<Item = Option<Arc<Vec<u8>>>>,
+    parts: impl Iterator<Item = Option<Bytes>>,
     surfels: &[usize],
     size: usize,
-) -> Arc<Vec<u8>> {
-    let parts: Vec<Option<Arc<Vec<u8>>>> = parts.collect();
+) -> Bytes {
+    let parts: Vec<Option<Bytes>> = parts.collect();
     let mut bytes = vec![0; surfels.len() * size];
     if size > 0 {
         let values = bytes.par_chunks_exact_mut(size).zip(surfels);
@@ -205,7 +201,7 @@ mod tests {
                 name: "pair".into(),
                 scalar: ScalarType::U16,
                 components: 2,
-                bytes: Arc::new(time.collect()),
+                bytes: time.collect(),
             }],
         }
     }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::assemble::{ByteOrder, Field, Roles, Table, TableColumn};
+use super::assemble::{ByteOrder, Field, PositionScale, Roles, Table, TableColumn};
 use crate::geometry::ScalarType;
 
 /// What a column means.
@@ -75,14 +75,14 @@ impl ColumnSpec {
 }
 
 /// A column as a table of its own.
-pub(super) fn table_of(spec: &ColumnSpec, bytes: Vec<u8>, rows: usize) -> Table<'static> {
+pub(super) fn table_of<'a>(spec: &ColumnSpec, bytes: &'a [u8], rows: usize) -> Table<'a> {
     let component = |index: u32| TableColumn {
         name: spec.name.clone(),
         scalar: spec.scalar,
         offset: index as usize * spec.scalar.size(),
     };
     Table {
-        bytes: Cow::Owned(bytes),
+        bytes: Cow::Borrowed(bytes),
         stride: spec.width(),
         rows,
         order: ByteOrder::NATIVE,
@@ -91,20 +91,31 @@ pub(super) fn table_of(spec: &ColumnSpec, bytes: Vec<u8>, rows: usize) -> Table<
 }
 
 /// The columns by meaning, without the named ones; `None` without a position, which a builder cannot lack.
-pub(super) fn roles_of<'a>(tables: &'a [(ColumnSpec, Table<'static>)]) -> Option<Roles<'a>> {
+pub(super) fn roles_of<'a>(
+    tables: &'a [(ColumnRole, Table<'a>)],
+    scale: Option<PositionScale>,
+) -> Option<Roles<'a>> {
     let table = |role| {
-        let found = tables.iter().find(|(spec, _)| spec.role == role);
+        let found = tables.iter().find(|(own, _)| *own == role);
         found.map(|(_, table)| table)
     };
-    fn fields<'t, const N: usize>(table: &'t Table<'static>) -> [Field<'t>; N] {
+    fn fields<'t, const N: usize>(table: &'t Table<'t>) -> [Field<'t>; N] {
         std::array::from_fn(|index| table.field(index))
     }
     let position = table(ColumnRole::Position)?;
+    let coordinate = |axis: usize| {
+        let field = position.field(axis);
+        scale.map_or(field, |by| field.scaled(by.scale[axis], by.offset[axis]))
+    };
+    let has_z = position.columns.len() > 2;
     let colour = table(ColumnRole::Colour);
     Some(Roles {
-        x: position.field(0),
-        y: position.field(1),
-        z: (position.columns.len() > 2).then(|| position.field(2)),
+        x: coordinate(0),
+        y: coordinate(1),
+        z: has_z.then(|| coordinate(2)),
+        bounds: scale
+            .filter(|_| has_z)
+            .and_then(|scale| scale.bounds(&position.bytes)),
         normal: table(ColumnRole::Normal).map(fields),
         colour: colour.map(fields),
         alpha: colour

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
+use bytes::Bytes;
 use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
 
 use super::memory::{filled_bytes, filled_slice};
@@ -19,7 +20,7 @@ const TASK_SURFELS: usize = 32 * PIECE_SURFELS;
 pub(super) type Column<T> = Vec<Arc<[T]>>;
 
 /// The blocks of a named column.
-pub(super) type ByteColumn = Vec<Arc<Vec<u8>>>;
+pub(super) type ByteColumn = Vec<Bytes>;
 
 /// A column of `count` surfels with `width` values of `T` each, cut into blocks.
 ///
@@ -74,7 +75,7 @@ where
         let task_values = TASK_SURFELS * width;
         let (block, of_block) = filled_bytes(length * width, task_values, task, &merge)?;
         summary = merge(summary, of_block);
-        blocks.push(Arc::new(block));
+        blocks.push(block.into());
     }
     Ok((blocks, summary))
 }

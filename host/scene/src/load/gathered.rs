@@ -1,5 +1,7 @@
 //! Values of a column that come in runs: room is made for all that are announced, and runs are copied there on all cores.
 
+use bytes::{Bytes, BytesMut};
+
 use super::memory::room;
 use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
 
@@ -10,11 +12,11 @@ pub(super) struct Gathered {
     width: usize,
     /// Bytes that a part may hold.
     part_bytes: usize,
-    parts: Vec<Vec<u8>>,
+    parts: Vec<BytesMut>,
 }
 
 /// What goes behind what.
-pub(super) type Copies<'a> = Vec<(&'a mut Vec<u8>, &'a [u8])>;
+pub(super) type Copies<'a> = Vec<(&'a mut BytesMut, &'a [u8])>;
 
 impl Gathered {
     /// All values lie together.
@@ -34,26 +36,39 @@ impl Gathered {
         }
     }
 
-    /// Makes room for the values of surfels that are announced, before any has come. The system gives the memory when it is
-    /// written to.
-    pub(super) fn reserve(&mut self, surfels: usize) {
-        let mut left = surfels * self.width;
-        self.parts.clear();
-        while left > 0 {
-            let part = left.min(self.part_bytes);
-            self.parts.push(room(part));
-            left -= part;
+    /// Makes room for the values of surfels that are announced, before any has come: one piece of memory for all these columns,
+    /// for small ones have no large pages of their own. The system gives the memory when it is written to.
+    pub(super) fn reserve<'a>(columns: impl IntoIterator<Item = &'a mut Self>, surfels: usize) {
+        /// Parts begin at multiples of this many bytes, as values of any type may.
+        const ALIGNMENT: usize = 16;
+        let mut columns: Vec<&mut Self> = columns.into_iter().collect();
+        let mut lengths: Vec<(usize, usize)> = Vec::new();
+        for (number, column) in columns.iter_mut().enumerate() {
+            column.parts.clear();
+            let mut left = surfels * column.width;
+            while left > 0 {
+                let part = left.min(column.part_bytes);
+                lengths.push((number, part.next_multiple_of(ALIGNMENT)));
+                left -= part;
+            }
+        }
+        let mut rest = room(lengths.iter().map(|(_, length)| length).sum());
+        for (number, length) in lengths {
+            let behind = rest.split_off(length);
+            columns[number]
+                .parts
+                .push(std::mem::replace(&mut rest, behind));
         }
     }
 
     /// Notes where the values of some surfels, whole ones, are to be copied; [`append`](super::memory::append) does it.
     pub(super) fn add<'a>(&'a mut self, mut values: &'a [u8], copies: &mut Copies<'a>) {
         let part_bytes = self.part_bytes;
-        let free = |part: &Vec<u8>| part_bytes - part.len();
+        let free = |part: &BytesMut| part_bytes - part.len();
         let room = self.parts.iter().map(free).fold(0, usize::saturating_add);
         let more = values.len().saturating_sub(room).div_ceil(part_bytes);
         self.parts
-            .extend(std::iter::repeat_with(Vec::new).take(more));
+            .extend(std::iter::repeat_with(BytesMut::new).take(more));
         for part in &mut self.parts {
             let (now, later) = values.split_at(values.len().min(free(part)));
             values = later;
@@ -63,12 +78,16 @@ impl Gathered {
         }
     }
 
-    /// The parts, without the room that was left.
-    pub(super) fn into_parts(self) -> impl Iterator<Item = Vec<u8>> {
+    /// The parts, without the room that was left if that is much.
+    pub(super) fn into_parts(self) -> impl Iterator<Item = Bytes> {
         let parts = self.parts.into_iter().filter(|part| !part.is_empty());
-        parts.map(|mut part| {
-            part.shrink_to_fit();
-            part
+        parts.map(|part| {
+            let left = part.capacity() - part.len();
+            if left > part.len() / 8 {
+                Bytes::copy_from_slice(&part)
+            } else {
+                part.freeze()
+            }
         })
     }
 }
@@ -79,7 +98,7 @@ mod tests {
     use crate::load::memory::append;
 
     /// Values of `surfels` surfels, handed over in runs of `run`.
-    fn gather(mut gathered: Gathered, width: usize, surfels: usize, run: usize) -> Vec<Vec<u8>> {
+    fn gather(mut gathered: Gathered, width: usize, surfels: usize, run: usize) -> Vec<Bytes> {
         let all = values(width * surfels);
         for values in all.chunks(run * width) {
             let mut copies = Vec::new();
@@ -99,7 +118,7 @@ mod tests {
         for announced in [0, 1, 400_001, SURFELS, SURFELS + 5] {
             for run in [SURFELS, 65_536, 333_333] {
                 let mut gathered = Gathered::together(3);
-                gathered.reserve(announced);
+                Gathered::reserve([&mut gathered], announced);
                 let found = gather(gathered, 3, SURFELS, run);
                 assert!(
                     found == [values(3 * SURFELS)],
@@ -119,9 +138,9 @@ mod tests {
             surfels + MAX_BLOCK_SURFELS,
         ] {
             let mut gathered = Gathered::in_blocks(1);
-            gathered.reserve(announced);
+            Gathered::reserve([&mut gathered], announced);
             let found = gather(gathered, 1, surfels, 1_000_003);
-            let lengths: Vec<usize> = found.iter().map(Vec::len).collect();
+            let lengths: Vec<usize> = found.iter().map(Bytes::len).collect();
             assert_eq!(lengths, [MAX_BLOCK_SURFELS, 1000], "{announced} announced");
             assert!(found.concat() == values(surfels), "{announced} announced");
         }

@@ -8,6 +8,7 @@ use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
+use bytes::{Bytes, BytesMut};
 use rayon::prelude::*;
 
 /// A slice of zeros that nobody else has yet.
@@ -46,7 +47,7 @@ where
     Ok((slice, summary))
 }
 
-/// The same as bytes that belong to a vector.
+/// The same as bytes.
 ///
 /// # Errors
 /// One of those of `fill`.
@@ -55,7 +56,7 @@ pub(crate) fn filled_bytes<S, E>(
     part: usize,
     fill: impl Fn(usize, &mut [u8]) -> Result<S, E> + Sync,
     merge: impl Fn(S, S) -> S + Sync,
-) -> Result<(Vec<u8>, S), E>
+) -> Result<(Bytes, S), E>
 where
     S: Default + Send,
     E: Send,
@@ -68,7 +69,7 @@ where
     unsafe {
         bytes.set_len(length);
     }
-    Ok((bytes, summary))
+    Ok((bytes.freeze(), summary))
 }
 
 /// Zeros each part and gives it to `fill`; every value has been written when it returns without an error.
@@ -96,15 +97,15 @@ where
     filled.try_reduce(S::default, |a, b| Ok(merge(a, b)))
 }
 
-/// An empty vector with room for so many bytes, of which none has been touched.
-pub(crate) fn room(capacity: usize) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(capacity);
+/// Room for so many bytes, of which none has been touched.
+pub(crate) fn room(capacity: usize) -> BytesMut {
+    let mut bytes = BytesMut::with_capacity(capacity);
     prefer_large_pages(bytes.spare_capacity_mut());
     bytes
 }
 
-/// Copies slices, each to the room behind what a vector holds, on all cores. What does not fit there makes it grow.
-pub(crate) fn append(copies: Vec<(&mut Vec<u8>, &[u8])>) {
+/// Copies slices, each to the room behind the bytes that are there, on all cores. What does not fit there makes them move.
+pub(crate) fn append(copies: Vec<(&mut BytesMut, &[u8])>) {
     /// Bytes copied by one thread at a time.
     const SEGMENT: usize = 1 << 17;
     /// Bytes that are worth more threads than one.

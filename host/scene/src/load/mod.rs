@@ -25,6 +25,7 @@ mod tri;
 use std::path::Path;
 use std::sync::Arc;
 
+pub use assemble::PositionScale;
 pub(crate) use assemble::origin_for;
 pub use column_spec::{ColumnRole, ColumnSpec};
 pub use error::{FormatError, LoadError, LoadStop, Place};

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use bytes::Bytes;
 use pointstage_texels::PictureFile;
 use rayon::prelude::*;
 
 use super::LoadOptions;
 use super::assemble::{
     AssembleError, Built, CornerLists, Corners, FaceData, FaceKind, FileFaces, MOST_VERTICES,
-    Table, Triangles, build, finish,
+    PositionScale, Table, Triangles, build, finish,
 };
 use super::column_spec::{ColumnRole, ColumnSpec, roles_of, table_of};
 use super::error::LoadStop;
@@ -31,6 +32,12 @@ pub enum BuildError {
         role: ColumnRole,
         /// What was declared.
         components: u32,
+    },
+    /// Positions of another type than I32 are to be scaled.
+    #[error("positions can be scaled if they are whole numbers of 32 bits, found {scalar:?}")]
+    Scale {
+        /// What was declared.
+        scalar: ScalarType,
     },
     /// A role, or a name, is declared twice, or there is no position.
     #[error("the columns need one position, and each other role and name at most once: {problem}")]
@@ -76,6 +83,7 @@ pub enum BuildError {
 #[derive(Debug)]
 pub struct ObjectBuilder {
     columns: Vec<(ColumnSpec, Gathered)>,
+    scale: Option<PositionScale>,
     rows: usize,
     /// Lengths of the polygons; none while all are triangles.
     lengths: Option<Vec<u32>>,
@@ -128,6 +136,7 @@ impl ObjectBuilder {
                     (spec, values)
                 })
                 .collect(),
+            scale: None,
             rows: 0,
             lengths: None,
             corners: Vec::new(),
@@ -138,6 +147,22 @@ impl ObjectBuilder {
         })
     }
 
+    /// Says what the numbers of the positions, which must be I32, stand for.
+    ///
+    /// # Errors
+    /// They are of another type; nothing is noted then.
+    pub fn scale_positions(&mut self, scale: PositionScale) -> Result<(), BuildError> {
+        for (spec, _) in &self.columns {
+            if spec.role == ColumnRole::Position && spec.scalar != ScalarType::I32 {
+                return Err(BuildError::Scale {
+                    scalar: spec.scalar,
+                });
+            }
+        }
+        self.scale = Some(scale);
+        Ok(())
+    }
+
     /// Makes room for surfels that will come; a hint, of which no more is believed than a few million at once. Without effect
     /// once some have come.
     pub fn reserve(&mut self, rows: u64) {
@@ -145,8 +170,12 @@ impl ObjectBuilder {
         if self.rows > 0 {
             return;
         }
-        for (_, values) in &mut self.columns {
-            values.reserve(rows.min(MOST) as usize);
+        // Named columns stay with the object, the others do not.
+        for stays in [true, false] {
+            let columns = self.columns.iter_mut().filter_map(|(spec, values)| {
+                ((spec.role == ColumnRole::Named) == stays).then_some(values)
+            });
+            Gathered::reserve(columns, rows.min(MOST) as usize);
         }
     }
 
@@ -305,19 +334,20 @@ impl ObjectBuilder {
         };
         let is_named = |(spec, _): &(ColumnSpec, Gathered)| spec.role == ColumnRole::Named;
         let (named, columns): (Vec<_>, Vec<_>) = self.columns.into_iter().partition(is_named);
-        let tables: Vec<(ColumnSpec, Table<'static>)> = columns
+        let columns: Vec<(ColumnSpec, Bytes)> = columns
             .into_iter()
-            .map(|(spec, values)| {
-                let bytes = values.into_parts().next().unwrap_or_default();
-                let table = table_of(&spec, bytes, self.rows);
-                (spec, table)
-            })
+            .map(|(spec, values)| (spec, values.into_parts().next().unwrap_or_default()))
             .collect();
-        let roles = roles_of(&tables).ok_or(BuildError::Nothing)?;
+        let tables: Vec<(ColumnRole, Table<'_>)> = columns
+            .iter()
+            .map(|(spec, bytes)| (spec.role, table_of(spec, bytes, self.rows)))
+            .collect();
+        let roles = roles_of(&tables, self.scale).ok_or(BuildError::Nothing)?;
         let mut warnings = self.warnings;
         let mut built = build(&roles, self.rows, options.winding, job, &mut warnings)?;
         drop(roles);
         drop(tables);
+        drop(columns);
         for (spec, values) in named {
             job.check().map_err(AssembleError::from)?;
             add_named(&spec, values, &mut built);
@@ -378,7 +408,7 @@ fn add_named(spec: &ColumnSpec, values: Gathered, built: &mut Built) {
             name: name.clone(),
             scalar: spec.scalar,
             components: spec.components,
-            bytes: Arc::new(bytes),
+            bytes,
         });
     }
 }

@@ -59,6 +59,56 @@ fn columns_of_map_coordinates_keep_their_digits_and_their_types() {
 }
 
 #[test]
+fn scaled_numbers_and_their_values_give_the_same_object() {
+    let by = PositionScale {
+        scale: glam::DVec3::new(0.001, -0.01, 0.25),
+        offset: glam::DVec3::new(4_900_000.0, 12.5, -3.0),
+    };
+    for components in [3, 2] {
+        let (mut numbers, mut values) = (Vec::new(), Vec::new());
+        for row in 0..5000_i32 {
+            let of_row = [row * 7919 % 100_003, 7 - row, row % 13];
+            let value = by.scale * glam::IVec3::from_array(of_row).as_dvec3() + by.offset;
+            numbers.extend_from_slice(&of_row[..components]);
+            values.extend_from_slice(&value.to_array()[..components]);
+        }
+        let builder = |scalar: ScalarType| {
+            let components = components as u32;
+            let spec = ColumnSpec::new(ColumnRole::Position, scalar, components);
+            ObjectBuilder::new(vec![spec]).expect("sound")
+        };
+        let mut scaled = builder(ScalarType::I32);
+        scaled.scale_positions(by).expect("whole numbers");
+        scaled
+            .add_rows(5000, &[cast_slice(&numbers)])
+            .expect("of the right length");
+        let mut plain = builder(ScalarType::F64);
+        let refused = plain
+            .scale_positions(by)
+            .expect_err("only whole numbers are");
+        assert!(refused.to_string().contains("F64"), "{refused}");
+        plain
+            .add_rows(5000, &[cast_slice(&values)])
+            .expect("of the right length");
+        let [scaled, plain] = [scaled, plain].map(|builder| {
+            builder
+                .finish(&file_only(), &Job::new())
+                .expect("an object")
+        });
+        assert_ne!(plain.origin, glam::DVec3::ZERO, "{components}");
+        assert_eq!(scaled.origin, plain.origin, "{components}");
+        assert_eq!(
+            scaled.geometry.bounds, plain.geometry.bounds,
+            "{components}"
+        );
+        assert_eq!(
+            scaled.geometry.blocks[0].position_radius, plain.geometry.blocks[0].position_radius,
+            "{components}"
+        );
+    }
+}
+
+#[test]
 fn lengths_that_do_not_fit_are_refused_and_add_nothing() {
     let mut builder = ObjectBuilder::new(vec![POSITION]).expect("sound");
     for columns in [&[][..], &[&[0_u8; 23][..]], &[&[0_u8; 24][..], &[0][..]]] {

@@ -77,7 +77,7 @@ pub(crate) fn named(
         name: name.into(),
         scalar,
         components,
-        bytes: Arc::new(bytes.collect()),
+        bytes: bytes.collect(),
     }
 }
 

@@ -1,7 +1,5 @@
 //! What is written is read again: objects of random columns.
 
-use std::sync::Arc;
-
 use glam::{DVec3, Vec3};
 use pointstage_scene::{NamedColumn, Object, PlyEncoding, ScalarType};
 use proptest::prelude::*;
@@ -125,7 +123,7 @@ proptest! {
                 name: "surfel_set".into(),
                 scalar: ScalarType::U32,
                 components: 1,
-                bytes: Arc::new(sets.collect()),
+                bytes: sets.collect(),
             });
         }
         let origin = if is_far { DVec3::new(500_000.0, 0.0, -1024.0) } else { DVec3::ZERO };

@@ -18,7 +18,7 @@ use crate::bounds::Bounds;
 use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
 use crate::job::{Cancelled, Job};
 use crate::load::Winding;
-use crate::load::fill::{PIECE_SURFELS, fill_blocks, fill_bytes};
+use crate::load::fill::{Column, PIECE_SURFELS, fill_blocks, fill_bytes};
 use crate::warnings::{WarningKind, Warnings};
 
 /// The columns of a file.
@@ -42,7 +42,11 @@ pub(in crate::load) fn build(
     warnings: &mut Warnings,
 ) -> Result<Built, AssembleError> {
     let mut rows = RowSelection::All(row_count);
-    let (mut positions, mut placed) = place(roles, &rows, DVec3::ZERO, job)?;
+    // Where the box is not known yet, most files are near 0.
+    let guess = roles
+        .bounds
+        .map_or(DVec3::ZERO, |bounds| origin_for(&bounds));
+    let (mut positions, mut placed) = place(roles, &rows, guess, job)?;
     let origin = origin_for(&placed.bounds);
     let new_index = (placed.not_finite > 0).then(|| new_indices(roles, row_count));
     if let Some(new_index) = &new_index {
@@ -61,7 +65,7 @@ pub(in crate::load) fn build(
             });
         }
     }
-    if new_index.is_some() || origin != DVec3::ZERO {
+    if new_index.is_some() || origin != guess {
         (positions, placed) = place(roles, &rows, origin, job)?;
     }
     if roles.z.is_none() {
@@ -228,9 +232,42 @@ fn add_colours(
         return Ok(());
     };
     let fields = [Some(red), Some(green), Some(blue), roles.alpha];
-    let scales = colour_scales(&fields, rows, job)?;
+    let are_bytes = fields
+        .iter()
+        .flatten()
+        .all(|field| matches!(field.scalar, ScalarType::U8 | ScalarType::I8));
+    let columns = if are_bytes {
+        let copy = |range: Range<usize>, slots: &mut [u32]| {
+            let mut bytes = [[255; PIECE_SURFELS]; 4];
+            for (field, bytes) in fields.iter().zip(&mut bytes) {
+                if let Some(field) = field {
+                    field.read_bytes(rows, range.clone(), &mut bytes[..range.len()]);
+                }
+            }
+            for (index, slot) in slots.iter_mut().enumerate() {
+                *slot = u32::from_le_bytes(bytes.each_ref().map(|bytes| bytes[index]));
+            }
+        };
+        fill_blocks(rows.len(), 1, job, copy, |(), ()| ())?.0
+    } else {
+        scaled_colours(&fields, rows, job)?
+    };
+    origins.colours = Provenance::FromFile;
+    for (block, column) in blocks.iter_mut().zip(columns) {
+        block.colour = Some(column);
+    }
+    Ok(())
+}
+
+/// Colours of components that are not all bytes.
+fn scaled_colours(
+    fields: &[Option<Field<'_>>; 4],
+    rows: &RowSelection,
+    job: &Job,
+) -> Result<Column<u32>, Cancelled> {
+    let scales = colour_scales(fields, rows, job)?;
     let convert = |range: Range<usize>, slots: &mut [u32]| {
-        let piece = Piece::read(&fields, rows, &range);
+        let piece = Piece::read(fields, rows, &range);
         for (index, slot) in slots.iter_mut().enumerate() {
             let byte = |component: usize| match fields[component] {
                 None => 255,
@@ -244,12 +281,7 @@ fn add_colours(
             *slot = u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]);
         }
     };
-    let (columns, ()) = fill_blocks(rows.len(), 1, job, convert, |(), ()| ())?;
-    origins.colours = Provenance::FromFile;
-    for (block, column) in blocks.iter_mut().zip(columns) {
-        block.colour = Some(column);
-    }
-    Ok(())
+    Ok(fill_blocks(rows.len(), 1, job, convert, |(), ()| ())?.0)
 }
 
 /// What a component is multiplied by to give a byte. Floats go from 0 to 1; if the largest colour is above 1, to 255.

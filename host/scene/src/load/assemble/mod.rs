@@ -10,6 +10,7 @@ mod faces;
 mod place;
 mod roles;
 mod table;
+mod triples;
 
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ pub(in crate::load) use build::{Built, build};
 pub(in crate::load) use corners::{
     CornerLists, Corners, FaceData, FaceKind, MOST_VERTICES, Triangles, corner_from,
 };
+pub use place::PositionScale;
 pub(crate) use place::origin_for;
 pub(in crate::load) use place::{MAX_COORDINATE, Placed, usable};
 pub(in crate::load) use roles::Roles;

@@ -3,9 +3,11 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::roles::Roles;
 use super::table::{Piece, RowSelection};
+use super::triples::Triples;
 use crate::bounds::Bounds;
 use crate::job::{Cancelled, Job};
 use crate::load::fill::{Column, PIECE_SURFELS, fill_blocks};
@@ -66,6 +68,68 @@ pub(crate) fn origin_for(bounds: &Bounds) -> DVec3 {
     (bounds.centre() / step).round() * step
 }
 
+/// What whole numbers of positions stand for: `value = scale · number + offset`, axis by axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionScale {
+    /// Of one step.
+    pub scale: DVec3,
+    /// Of number 0, scene units.
+    pub offset: DVec3,
+}
+
+impl PositionScale {
+    /// The box of positions of three `i32` each, native byte order; `None` if some of them cannot be placed.
+    pub(in crate::load) fn bounds(&self, positions: &[u8]) -> Option<Bounds> {
+        /// Coordinates that are compared at once: whole positions, and whole vectors of the processor.
+        const LANES: usize = 24;
+        /// Bytes that one thread takes at a time.
+        const PART: usize = 4 * LANES << 10;
+        type Box = [[i32; LANES]; 2];
+        let none: Box = [[i32::MAX; LANES], [i32::MIN; LANES]];
+        let join = |[low, high]: Box, with: &[[i32; LANES]; 2]| -> Box {
+            let [other_low, other_high] = with;
+            [
+                std::array::from_fn(|lane| low[lane].min(other_low[lane])),
+                std::array::from_fn(|lane| high[lane].max(other_high[lane])),
+            ]
+        };
+        let of_part = |part: &[u8]| {
+            let (rows, rest) = part.as_chunks::<{ 4 * LANES }>();
+            let numbers = |row: &[u8; 4 * LANES]| -> [i32; LANES] {
+                let numbers = row.as_chunks::<4>().0;
+                std::array::from_fn(|lane| i32::from_ne_bytes(numbers[lane]))
+            };
+            let mut all = none;
+            for row in rows {
+                let row = numbers(row);
+                all = join(all, &[row, row]);
+            }
+            for (index, number) in rest.as_chunks::<4>().0.iter().enumerate() {
+                let number = i32::from_ne_bytes(*number);
+                all[0][index] = all[0][index].min(number);
+                all[1][index] = all[1][index].max(number);
+            }
+            all
+        };
+        let [low, high] = positions
+            .par_chunks(PART)
+            .map(of_part)
+            .reduce(|| none, |all, part| join(all, &part));
+        let axis = |of: [i32; LANES], axis: usize, choose: fn(i32, i32) -> i32| {
+            let own = of.iter().skip(axis).step_by(3).copied();
+            f64::from(own.reduce(choose).unwrap_or_default())
+        };
+        let corner = |of, choose| {
+            let numbers = DVec3::from_array(std::array::from_fn(|index| axis(of, index, choose)));
+            self.scale * numbers + self.offset
+        };
+        let (a, b) = (corner(low, i32::min), corner(high, i32::max));
+        let fits = usable(a.to_array()) && usable(b.to_array()) && !positions.is_empty();
+        // A scale may be negative.
+        fits.then(|| Bounds::new(a.min(b), a.max(b)))
+    }
+}
+
 /// Whether a surfel can stand there.
 #[inline]
 pub(in crate::load) fn usable([x, y, z]: [f64; 3]) -> bool {
@@ -81,26 +145,36 @@ pub(in crate::load) fn place(
     job: &Job,
 ) -> Result<(Column<[f32; 4]>, Placed), Cancelled> {
     let fields = [Some(roles.x), Some(roles.y), roles.z, roles.radius];
+    let place_one = |placed: &mut Placed, centre: DVec3, radius: f64, slot: &mut [f32; 4]| {
+        if !usable(centre.to_array()) {
+            placed.not_finite += 1;
+            return;
+        }
+        placed.bounds = placed.bounds.with_point(centre);
+        let local = (centre - origin).as_vec3();
+        let radius = if radius > 0.0 && radius <= MAX_COORDINATE {
+            radius as f32
+        } else {
+            0.0
+        };
+        placed.without_radius += usize::from(radius <= 0.0);
+        *slot = [local.x, local.y, local.z, radius];
+    };
+    let triples = roles.z.and_then(|z| Triples::of([roles.x, roles.y, z]));
+    let is_plain = matches!(rows, RowSelection::All(_)) && roles.radius.is_none();
     let convert = |range: Range<usize>, slots: &mut [[f32; 4]]| {
+        let mut placed = Placed::default();
+        if let Some(triples) = triples.filter(|_| is_plain) {
+            triples.each(&range, slots, |centre, slot| {
+                place_one(&mut placed, centre, 0.0, slot);
+            });
+            return placed;
+        }
         let piece = Piece::read(&fields, rows, &range);
         let [xs, ys, zs, radii] = &piece.values;
-        let mut placed = Placed::default();
         for (index, slot) in slots.iter_mut().enumerate() {
-            let (x, y, z, radius) = (xs[index], ys[index], zs[index], radii[index]);
-            if !usable([x, y, z]) {
-                placed.not_finite += 1;
-                continue;
-            }
-            let centre = DVec3::new(x, y, z);
-            placed.bounds = placed.bounds.with_point(centre);
-            let local = (centre - origin).as_vec3();
-            let radius = if radius > 0.0 && radius <= MAX_COORDINATE {
-                radius as f32
-            } else {
-                0.0
-            };
-            placed.without_radius += usize::from(radius <= 0.0);
-            *slot = [local.x, local.y, local.z, radius];
+            let centre = DVec3::new(xs[index], ys[index], zs[index]);
+            place_one(&mut placed, centre, radii[index], slot);
         }
         placed
     };
@@ -131,6 +205,31 @@ pub(in crate::load) fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_box_of_numbers_is_that_of_their_values() {
+        let by = PositionScale {
+            scale: DVec3::new(0.5, -2.0, 1.0),
+            offset: DVec3::new(0.0, 10.0, -1.0),
+        };
+        for count in [1_usize, 7, 8, 9, 40_000] {
+            let numbers: Vec<[i32; 3]> = (0..count as i32)
+                .map(|row| [row.wrapping_mul(0x0101_4567), 3 - row, i32::MIN + row])
+                .collect();
+            let expected = numbers.iter().fold(Bounds::EMPTY, |bounds, row| {
+                let numbers = DVec3::from_array(row.map(f64::from));
+                bounds.with_point(by.scale * numbers + by.offset)
+            });
+            let found = by.bounds(bytemuck::cast_slice(&numbers));
+            assert_eq!(found, Some(expected), "{count}");
+        }
+        assert_eq!(by.bounds(&[]), None);
+        let endless = PositionScale {
+            scale: DVec3::new(1.0, f64::INFINITY, 1.0),
+            ..by
+        };
+        assert_eq!(endless.bounds(&[1; 24]), None);
+    }
 
     #[test]
     fn only_far_boxes_get_an_origin() {

@@ -14,6 +14,7 @@
 //! at sharp edges (`pointstage_plugin_api::clip`).
 
 use super::table::{Field, Table};
+use crate::bounds::Bounds;
 use crate::geometry::ScalarType;
 
 /// The properties of the vertices by meaning.
@@ -22,6 +23,8 @@ pub(in crate::load) struct Roles<'t> {
     pub(in crate::load) x: Field<'t>,
     pub(in crate::load) y: Field<'t>,
     pub(in crate::load) z: Option<Field<'t>>,
+    /// Box of the positions, if it is known that all of them can be placed.
+    pub(in crate::load) bounds: Option<Bounds>,
     pub(in crate::load) normal: Option<[Field<'t>; 3]>,
     /// Red, green, blue.
     pub(in crate::load) colour: Option<[Field<'t>; 3]>,
@@ -83,6 +86,7 @@ impl<'t> Roles<'t> {
             x,
             y,
             z,
+            bounds: None,
             normal,
             colour,
             alpha,

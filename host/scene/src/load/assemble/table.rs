@@ -49,10 +49,12 @@ pub(in crate::load) struct TableColumn {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::load) struct Field<'t> {
     /// The table from the column's first value on.
-    bytes: &'t [u8],
-    stride: usize,
-    order: ByteOrder,
+    pub(super) bytes: &'t [u8],
+    pub(super) stride: usize,
+    pub(super) order: ByteOrder,
     pub(in crate::load) scalar: ScalarType,
+    /// Scale and offset that make values of the numbers, if they are not the values themselves.
+    pub(super) scaled: Option<(f64, f64)>,
 }
 
 /// Which rows of the tables become surfels.
@@ -145,11 +147,20 @@ impl Table<'_> {
             stride: self.stride,
             order: self.order,
             scalar: column.scalar,
+            scaled: None,
         }
     }
 }
 
 impl Field<'_> {
+    /// The same numbers, of which each stands for `scale · number + offset`.
+    pub(in crate::load) fn scaled(self, scale: f64, offset: f64) -> Self {
+        Self {
+            scaled: Some((scale, offset)),
+            ..self
+        }
+    }
+
     /// Values of the selected rows `range`, as f64, into `out` of the same length.
     #[allow(
         clippy::useless_conversion,
@@ -171,6 +182,33 @@ impl Field<'_> {
                         *value = f64::from(Scalar::read(&self.bytes[*row as usize * self.stride..], self.order));
                     }
                 });
+            }
+        }
+        if let Some((scale, offset)) = self.scaled {
+            for value in out {
+                *value = scale * *value + offset;
+            }
+        }
+    }
+
+    /// The first bytes of the selected rows `range`, which are the values if they are bytes, into `out` of the same length.
+    pub(in crate::load) fn read_bytes(
+        &self,
+        rows: &RowSelection,
+        range: Range<usize>,
+        out: &mut [u8],
+    ) {
+        match rows {
+            RowSelection::All(_) => {
+                let bytes = &self.bytes[range.start * self.stride..];
+                for (value, byte) in out.iter_mut().zip(bytes.iter().step_by(self.stride)) {
+                    *value = *byte;
+                }
+            }
+            RowSelection::Kept(kept) => {
+                for (value, row) in out.iter_mut().zip(&kept[range]) {
+                    *value = self.bytes[*row as usize * self.stride];
+                }
             }
         }
     }
