@@ -16,7 +16,7 @@ use super::error::LoadStop;
 use super::gathered::Gathered;
 use super::loader::Contents;
 use super::memory::append;
-use crate::geometry::NamedColumn;
+use crate::geometry::{NamedColumn, ScalarType};
 use crate::job::Job;
 use crate::textures::NO_PICTURE;
 use crate::warnings::{WarningKind, Warnings};
