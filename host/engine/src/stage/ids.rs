@@ -1,6 +1,6 @@
 //! What the numbers in the `id` target mean.
 
-use pointstage_scene::{Marks, ObjectId, Scene};
+use pointstage_scene::{Marks, Object, ObjectId, Scene};
 
 /// One block's run of ids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,16 @@ struct Run {
     source: IdSource,
     block: u32,
     first_surfel: u64,
+}
+
+impl Run {
+    /// Whether `next` has the ids and the surfels of the same object that follow.
+    fn goes_on_with(&self, next: &Self) -> bool {
+        self.object == next.object
+            && self.source == next.source
+            && self.first_id + self.count == next.first_id
+            && self.first_surfel + u64::from(self.count) == next.first_surfel
+    }
 }
 
 /// Whether a block is the scene's or a structure's.
@@ -79,12 +89,18 @@ impl IdTable {
 
     /// The ids of the surfels that are marked in a scene. Nodes of a structure stand for many surfels and are none.
     pub(super) fn marked<'s>(&self, scene: &'s Scene) -> MarkedIds<'s> {
-        let runs = self.runs.iter().filter_map(|run| {
-            let object = scene.object(run.object)?;
-            let marks = object.marked().filter(|_| run.source == IdSource::Scene)?;
-            Some((*run, &**marks))
-        });
-        MarkedIds(runs.collect())
+        let mut found: Vec<(Run, &Marks)> = Vec::new();
+        let own = self.runs.iter().filter(|run| run.source == IdSource::Scene);
+        for run in own {
+            let marks = scene.object(run.object).and_then(Object::marked);
+            let Some(marks) = marks else { continue };
+            // The blocks of an object mostly follow each other: one run then, so that there is little to search at each pixel.
+            match found.last_mut() {
+                Some((last, _)) if last.goes_on_with(run) => last.count += run.count,
+                _ => found.push((*run, marks)),
+            }
+        }
+        MarkedIds(found)
     }
 
     /// What an id stands for; `None` for 0 and for ids that no draw of the frame has.
@@ -130,7 +146,7 @@ impl MarkedIds<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pointstage_scene::{Block, Geometry, Object, Origins};
+    use pointstage_scene::{Block, Geometry, Origins};
     use std::sync::Arc;
 
     #[test]
@@ -153,6 +169,7 @@ mod tests {
         table.base(marked, IdSource::Structure, 0, 0, 5);
         table.base(marked, IdSource::Scene, 1, 5, 4);
         let ids = table.marked(&scene);
+        assert_eq!(ids.0.len(), 2);
         let found: Vec<u32> = (0..40).filter(|&id| ids.contains(id)).collect();
         assert_eq!(
             found,
@@ -160,6 +177,15 @@ mod tests {
             "surfel 1 of the first block, 6 of the second"
         );
         assert!(!ids.contains(u32::MAX));
+        // Blocks that follow each other are searched as one.
+        let mut table = IdTable::default();
+        table.base(plain, IdSource::Scene, 0, 0, 3);
+        table.base(marked, IdSource::Scene, 0, 0, 5);
+        table.base(marked, IdSource::Scene, 1, 5, 4);
+        let ids = table.marked(&scene);
+        assert_eq!(ids.0.len(), 1);
+        let found: Vec<u32> = (0..40).filter(|&id| ids.contains(id)).collect();
+        assert_eq!(found, [5, 10]);
     }
 
     #[test]
