@@ -75,7 +75,7 @@ where
         let task_values = TASK_SURFELS * width;
         let (block, of_block) = filled_bytes(length * width, task_values, task, &merge)?;
         summary = merge(summary, of_block);
-        blocks.push(block.into());
+        blocks.push(block);
     }
     Ok((blocks, summary))
 }

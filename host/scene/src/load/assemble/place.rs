@@ -83,7 +83,7 @@ impl PositionScale {
         /// Coordinates that are compared at once: whole positions, and whole vectors of the processor.
         const LANES: usize = 24;
         /// Bytes that one thread takes at a time.
-        const PART: usize = 4 * LANES << 10;
+        const PART: usize = (4 * LANES) << 10;
         type Box = [[i32; LANES]; 2];
         let none: Box = [[i32::MAX; LANES], [i32::MIN; LANES]];
         let join = |[low, high]: Box, with: &[[i32; LANES]; 2]| -> Box {
