@@ -100,20 +100,24 @@ impl Colours {
 #[inline(always)]
 pub(super) fn read_bytes<'a, L, const LANES: usize>(
     lanes: &mut [L; LANES],
-    of: impl for<'l> Fn(&'l mut L) -> Option<(&'l mut Decoder<'a>, &'l mut Colours)>,
+    of: impl for<'l> Fn(&'l mut L) -> Option<(&'l mut Decoder<'a>, &'l mut Colours)> + Copy,
 ) {
-    each(lanes, &of, |colours, stream| colours.read_red(stream, 0));
-    each(lanes, &of, |colours, stream| colours.read_red(stream, 1));
-    each(lanes, &of, |colours, stream| colours.read_green(stream, 0));
-    each(lanes, &of, |colours, stream| colours.read_blue(stream, 0));
-    each(lanes, &of, |colours, stream| colours.read_green(stream, 1));
-    each(lanes, &of, |colours, stream| colours.read_blue(stream, 1));
+    let is_same = |lane| of(lane).is_none_or(|(_, colours)| colours.change == 0);
+    if lanes.iter_mut().all(is_same) {
+        return;
+    }
+    each(lanes, of, |colours, stream| colours.read_red(stream, 0));
+    each(lanes, of, |colours, stream| colours.read_red(stream, 1));
+    each(lanes, of, |colours, stream| colours.read_green(stream, 0));
+    each(lanes, of, |colours, stream| colours.read_blue(stream, 0));
+    each(lanes, of, |colours, stream| colours.read_green(stream, 1));
+    each(lanes, of, |colours, stream| colours.read_blue(stream, 1));
 }
 
 #[inline(always)]
 fn each<'a, L, const LANES: usize>(
     lanes: &mut [L; LANES],
-    of: &impl for<'l> Fn(&'l mut L) -> Option<(&'l mut Decoder<'a>, &'l mut Colours)>,
+    of: impl for<'l> Fn(&'l mut L) -> Option<(&'l mut Decoder<'a>, &'l mut Colours)>,
     step: impl Fn(&mut Colours, &mut Decoder<'a>),
 ) {
     for lane in lanes {

@@ -91,6 +91,9 @@ impl Integers {
             i32::MIN
         };
         let number = prediction.wrapping_add(difference);
+        if self.modulus == 0 {
+            return number;
+        }
         let back = if number < 0 {
             self.modulus
         } else if number >= self.modulus {
