@@ -72,7 +72,13 @@ impl<'a> Chunks<'a> {
                 inputs.push((input, of_chunk as usize * self.layout.stride()));
             }
         }
-        records.resize(count as usize * self.layout.stride(), 0);
+        let bytes = count as usize * self.layout.stride();
+        if records.capacity() < bytes {
+            // Zeroed memory of the system, which is first touched by the threads that write to it.
+            *records = vec![0; bytes];
+        } else {
+            records.resize(bytes, 0);
+        }
         let mut outputs = records.as_mut_slice();
         let mut chunks = Vec::with_capacity(inputs.len());
         for (input, bytes) in inputs {
