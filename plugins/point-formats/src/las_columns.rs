@@ -360,9 +360,9 @@ impl Source<'_> {
             Self::Steps(place) => convert(records, place, out, |bytes| {
                 (f32::from(i16::from_le_bytes(bytes)) * 0.006).to_ne_bytes()
             }),
-            Self::ColourWords(place) => convert(records, place, out, |bytes| {
-                words(bytes).map(|value| nearest_byte(value))
-            }),
+            Self::ColourWords(place) => {
+                convert(records, place, out, |bytes| words(bytes).map(nearest_byte))
+            }
             Self::ColourBytes(place) => convert(records, place, out, |bytes| {
                 words(bytes).map(|value| value as u8)
             }),
