@@ -361,7 +361,7 @@ impl Source<'_> {
                 (f32::from(i16::from_le_bytes(bytes)) * 0.006).to_ne_bytes()
             }),
             Self::ColourWords(place) => {
-                convert(records, place, out, |bytes| words(bytes).map(nearest_byte))
+                convert(records, place, out, |bytes| words(bytes).map(nearest_byte));
             }
             Self::ColourBytes(place) => convert(records, place, out, |bytes| {
                 words(bytes).map(|value| value as u8)
