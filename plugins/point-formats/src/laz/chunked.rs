@@ -1,4 +1,4 @@
-//! Chunks of the point formats 0 to 3: the first record as it is, then one stream of all fields of all points.
+//! Chunks of the point formats 0 to 3, with extra bytes or without: the first record as it is, then one stream of all fields of all points.
 
 use super::colour::{self, Colours};
 use super::decoder::Decoder;
@@ -6,6 +6,7 @@ use super::gps_time::GpsTimes;
 use super::integer;
 use super::lanes::{Incomplete, Lane};
 use super::layout::Layout;
+use super::model::Symbols;
 use super::point10::Points;
 
 /// Bytes of a time.
@@ -18,6 +19,11 @@ pub(super) struct ChunkedLane<'a> {
     times: Option<GpsTimes>,
     colours: Option<Colours>,
     colour: [u8; colour::BYTES],
+    /// Bytes of a record before its colour.
+    colour_at: usize,
+    extra_bytes: Vec<u8>,
+    /// Of each extra byte.
+    extra_models: Vec<Symbols>,
 }
 
 impl<'a> Lane<'a> for ChunkedLane<'a> {
@@ -31,12 +37,19 @@ impl<'a> Lane<'a> for ChunkedLane<'a> {
             times = Some(GpsTimes::gps_time11(i64::from_le_bytes(*time)));
             fields = rest;
         }
+        let extra_count = usize::from(layout.extra_bytes);
+        let (others, extra_bytes) = fields
+            .split_at_checked(fields.len().saturating_sub(extra_count))
+            .ok_or(Incomplete)?;
         Ok(Self {
             decoder: Decoder::new(stream),
             points: Points::new(point),
             times,
             colours: layout.has_colour.then(Colours::new),
-            colour: fields.first_chunk().copied().unwrap_or_default(),
+            colour: others.first_chunk().copied().unwrap_or_default(),
+            colour_at: record.len() - fields.len(),
+            extra_bytes: extra_bytes.to_vec(),
+            extra_models: vec![Symbols::new(256); extra_count],
         })
     }
 
@@ -48,10 +61,16 @@ impl<'a> Lane<'a> for ChunkedLane<'a> {
         }
         if lanes.iter().any(|lane| lane.colours.is_some()) {
             Self::read_colours(lanes);
-            for (lane, record) in lanes.iter().zip(records) {
-                if let Some(out) = record.last_chunk_mut() {
+            for (lane, record) in lanes.iter().zip(&mut records) {
+                let fields = record.get_mut(lane.colour_at..).unwrap_or_default();
+                if let Some(out) = fields.first_chunk_mut() {
                     *out = lane.colour;
                 }
+            }
+        }
+        for (lane, record) in lanes.iter_mut().zip(records) {
+            if !lane.extra_bytes.is_empty() {
+                lane.read_extra_bytes(record);
             }
         }
     }
@@ -93,6 +112,15 @@ impl ChunkedLane<'_> {
         {
             *out = times.next(&mut self.decoder).to_le_bytes();
         }
+    }
+
+    /// Reads the item BYTE, version 2, and writes it.
+    fn read_extra_bytes(&mut self, record: &mut [u8]) {
+        for (byte, model) in self.extra_bytes.iter_mut().zip(&mut self.extra_models) {
+            *byte = byte.wrapping_add(self.decoder.symbol(model));
+        }
+        let at = record.len() - self.extra_bytes.len();
+        record[at..].copy_from_slice(&self.extra_bytes);
     }
 
     #[inline(always)]

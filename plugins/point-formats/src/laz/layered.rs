@@ -1,16 +1,17 @@
 //! Chunks of the point formats 6 to 10: the first record as it is, then a stream for each field of all points.
 
+use super::by_channel::{ByChannel, CHANNELS};
 use super::colour::{self, Colours};
 use super::decoder::Decoder;
+use super::infrared::{self, Infrared};
 use super::integer;
 use super::lanes::{Incomplete, Lane};
 use super::layout::Layout;
+use super::model::Symbols;
 use super::point14::{Channel, Point};
 
 /// Streams of a point.
 const POINT_STREAMS: usize = 9;
-/// Scanner channels.
-const CHANNELS: usize = 4;
 
 /// A chunk that is being decompressed. Fields that are all the same have no stream.
 pub(super) struct LayeredLane<'a> {
@@ -28,18 +29,25 @@ pub(super) struct LayeredLane<'a> {
     channel: Box<Channel>,
     /// Those that had points before.
     others: [Option<Box<Channel>>; CHANNELS],
-    colours: Option<Box<LayeredColours<'a>>>,
+    colours: Option<LayeredColours<'a>>,
+    infrared: Option<LayeredInfrared<'a>>,
+    extra_bytes: Option<LayeredBytes<'a>>,
 }
 
 impl<'a> Lane<'a> for LayeredLane<'a> {
     fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
         let (record, streams) = input.split_at_checked(first.len()).ok_or(Incomplete)?;
         first.copy_from_slice(record);
-        let (point, colour) = record.split_first_chunk().ok_or(Incomplete)?;
+        let (point, mut fields) = record.split_first_chunk().ok_or(Incomplete)?;
         let point = Point::read(point);
+        let channel = point.channel();
+        let extra_count = usize::from(layout.extra_bytes);
         // The number of points, which the table of chunks tells too.
         let (_, sizes) = streams.split_first_chunk::<4>().ok_or(Incomplete)?;
-        let stream_count = POINT_STREAMS + usize::from(layout.has_colour);
+        let stream_count = POINT_STREAMS
+            + usize::from(layout.has_colour)
+            + usize::from(layout.has_infrared)
+            + extra_count;
         let (sizes, mut rest) = sizes.split_at_checked(4 * stream_count).ok_or(Incomplete)?;
         let (sizes, _) = sizes.as_chunks();
         let mut sizes = sizes.iter().map(|size| u32::from_le_bytes(*size) as usize);
@@ -49,7 +57,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             rest = behind;
             Ok((size > 0).then(|| Decoder::new(stream)))
         };
-        Ok(Self {
+        let mut lane = Self {
             decoder: stream()?.ok_or(Incomplete)?,
             z: stream()?,
             class: stream()?,
@@ -61,14 +69,37 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             time: stream()?,
             channel: Box::new(Channel::after(&point)),
             others: [const { None }; CHANNELS],
-            colours: if layout.has_colour {
-                let colour = colour.first_chunk().ok_or(Incomplete)?;
-                let colours = LayeredColours::new(stream()?, point.channel(), *colour);
-                Some(Box::new(colours))
-            } else {
-                None
-            },
-        })
+            colours: None,
+            infrared: None,
+            extra_bytes: None,
+        };
+        if layout.has_colour {
+            let (first, rest) = fields.split_first_chunk().ok_or(Incomplete)?;
+            fields = rest;
+            lane.colours = Some(LayeredColours {
+                decoder: stream()?,
+                channels: ByChannel::new(channel, first, Colours::new()),
+            });
+        }
+        if layout.has_infrared {
+            let (first, rest) = fields.split_first_chunk().ok_or(Incomplete)?;
+            fields = rest;
+            lane.infrared = Some(LayeredInfrared {
+                decoder: stream()?,
+                channels: ByChannel::new(channel, first, Infrared::new()),
+            });
+        }
+        if extra_count > 0 {
+            let models = LayeredBytes::models(extra_count);
+            let decoders = (0..extra_count)
+                .map(|_| stream())
+                .collect::<Result<_, _>>()?;
+            lane.extra_bytes = Some(LayeredBytes {
+                decoders,
+                channels: ByChannel::new(channel, &fields.to_vec(), models),
+            });
+        }
+        Ok(lane)
     }
 
     #[inline(always)]
@@ -84,16 +115,14 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
                 return;
             };
             lane.channel.point.write(point);
-            if let Some(colours) = &lane.colours
-                && let Some(out) = fields.first_chunk_mut()
-            {
-                *out = colours.colour();
-            }
+            lane.write_fields(fields);
         }
     }
 
     fn is_whole(&self) -> bool {
         let colour = self.colours.as_ref();
+        let infrared = self.infrared.as_ref();
+        let extra_bytes = self.extra_bytes.iter().flat_map(|bytes| &bytes.decoders);
         let streams = [
             Some(&self.decoder),
             self.z.as_ref(),
@@ -105,8 +134,10 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             self.source.as_ref(),
             self.time.as_ref(),
             colour.and_then(|colours| colours.decoder.as_ref()),
+            infrared.and_then(|infrared| infrared.decoder.as_ref()),
         ];
-        streams.into_iter().flatten().all(Decoder::is_whole)
+        let mut streams = streams.into_iter().flatten();
+        streams.all(Decoder::is_whole) && extra_bytes.flatten().all(Decoder::is_whole)
     }
 }
 
@@ -118,9 +149,7 @@ impl LayeredLane<'_> {
             if let Some(channel) = entered {
                 lane.enter(channel);
             }
-            if let Some(colours) = &mut lane.colours {
-                colours.enter(entered.unwrap_or_default());
-            }
+            lane.enter_fields(entered.unwrap_or_default());
             lane.channel.read_x_size(&mut lane.decoder);
         }
         integer::read_numbers(lanes, |lane| Some((&mut lane.decoder, &mut lane.channel.x)));
@@ -153,6 +182,22 @@ impl LayeredLane<'_> {
         let left = last.point.channel();
         self.others[left] = Some(last);
         self.channel.enter(channel, change);
+    }
+
+    /// Lets the items behind the point go on to the next.
+    #[inline(always)]
+    fn enter_fields(&mut self, channel: usize) {
+        if let Some(colours) = &mut self.colours {
+            colours.channels.enter(channel, Colours::new);
+        }
+        if let Some(infrared) = &mut self.infrared {
+            infrared.channels.enter(channel, Infrared::new);
+        }
+        if let Some(bytes) = &mut self.extra_bytes {
+            let count = bytes.decoders.len();
+            let models = || LayeredBytes::models(count);
+            bytes.channels.enter(channel, models);
+        }
     }
 
     #[inline(always)]
@@ -194,21 +239,51 @@ impl LayeredLane<'_> {
         if let Some(decoder) = &mut self.time {
             channel.read_time(decoder);
         }
+        if let Some(infrared) = &mut self.infrared
+            && let Some(decoder) = &mut infrared.decoder
+            && let Some((models, value)) = infrared.channels.parts()
+        {
+            models.read(decoder, value);
+        }
+        if let Some(bytes) = &mut self.extra_bytes {
+            bytes.read();
+        }
+    }
+
+    /// Writes the items behind the point.
+    #[inline(always)]
+    fn write_fields(&self, fields: &mut [u8]) {
+        let mut at = 0;
+        let mut put = |value: &[u8]| {
+            if let Some(out) = fields.get_mut(at..at + value.len()) {
+                out.copy_from_slice(value);
+            }
+            at += value.len();
+        };
+        if let Some(colours) = &self.colours {
+            put(colours.channels.value());
+        }
+        if let Some(infrared) = &self.infrared {
+            put(infrared.channels.value());
+        }
+        if let Some(bytes) = &self.extra_bytes {
+            put(bytes.channels.value());
+        }
     }
 
     #[inline(always)]
     fn read_colours<const LANES: usize>(lanes: &mut [Self; LANES]) {
         for lane in &mut *lanes {
-            if let Some((decoder, last, colours)) = lane.colours.as_mut().and_then(|c| c.parts()) {
+            if let Some((decoder, colours, last)) = lane.colours.as_mut().and_then(|c| c.parts()) {
                 colours.read_change(decoder, *last);
             }
         }
         colour::read_bytes(lanes, |lane| {
-            let (decoder, _, colours) = lane.colours.as_mut()?.parts()?;
+            let (decoder, colours, _) = lane.colours.as_mut()?.parts()?;
             Some((decoder, colours))
         });
         for lane in lanes {
-            if let Some((_, last, colours)) = lane.colours.as_mut().and_then(|c| c.parts()) {
+            if let Some((_, colours, last)) = lane.colours.as_mut().and_then(|c| c.parts()) {
                 *last = colours.colour();
             }
         }
@@ -218,53 +293,43 @@ impl LayeredLane<'_> {
 /// Colours of the item RGB14.
 struct LayeredColours<'a> {
     decoder: Option<Decoder<'a>>,
-    models: [Option<Box<Colours>>; CHANNELS],
-    last: [[u8; colour::BYTES]; CHANNELS],
-    /// Which models are used.
-    channel: usize,
-    /// Which colour foretells the next.
-    last_channel: usize,
+    channels: ByChannel<Colours, [u8; colour::BYTES]>,
 }
 
 impl<'a> LayeredColours<'a> {
-    fn new(decoder: Option<Decoder<'a>>, channel: usize, first: [u8; colour::BYTES]) -> Self {
-        let mut models = [const { None }; CHANNELS];
-        models[channel] = Some(Box::new(Colours::new()));
-        Self {
-            decoder,
-            models,
-            last: [first; CHANNELS],
-            channel,
-            last_channel: channel,
-        }
+    /// The stream, the models, and the colour before.
+    #[inline(always)]
+    fn parts(&mut self) -> Option<(&mut Decoder<'a>, &mut Colours, &mut [u8; colour::BYTES])> {
+        let (models, last) = self.channels.parts()?;
+        Some((self.decoder.as_mut()?, models, last))
+    }
+}
+
+/// Near infrared of the item RGBNIR14.
+struct LayeredInfrared<'a> {
+    decoder: Option<Decoder<'a>>,
+    channels: ByChannel<Infrared, [u8; infrared::BYTES]>,
+}
+
+/// Extra bytes: the item BYTE14, of which each byte has a stream.
+struct LayeredBytes<'a> {
+    decoders: Vec<Option<Decoder<'a>>>,
+    channels: ByChannel<Vec<Symbols>, Vec<u8>>,
+}
+
+impl LayeredBytes<'_> {
+    fn models(count: usize) -> Vec<Symbols> {
+        vec![Symbols::new(256); count]
     }
 
-    /// Chooses the models of the next point. LASzip's version 3 has two oddities: unless the scanner channel changes it takes
-    /// those of channel 0, and where it returns to a channel it goes on from the last point's colour.
-    #[inline(always)]
-    fn enter(&mut self, channel: usize) {
-        self.last_channel = self.channel;
-        if self.channel != channel {
-            self.channel = channel;
-            if self.models[channel].is_none() {
-                self.models[channel] = Some(Box::new(Colours::new()));
-                self.last[channel] = self.last[self.last_channel];
-                self.last_channel = channel;
+    fn read(&mut self) {
+        if let Some((models, bytes)) = self.channels.parts() {
+            let fields = self.decoders.iter_mut().zip(models).zip(bytes);
+            for ((decoder, model), byte) in fields {
+                if let Some(decoder) = decoder {
+                    *byte = byte.wrapping_add(decoder.symbol(model));
+                }
             }
         }
-    }
-
-    /// The stream, the colour that foretells the next, and the models.
-    #[inline(always)]
-    fn parts(&mut self) -> Option<(&mut Decoder<'a>, &mut [u8; colour::BYTES], &mut Colours)> {
-        Some((
-            self.decoder.as_mut()?,
-            &mut self.last[self.last_channel],
-            self.models[self.channel].as_mut()?,
-        ))
-    }
-
-    fn colour(&self) -> [u8; colour::BYTES] {
-        self.last[self.last_channel]
     }
 }

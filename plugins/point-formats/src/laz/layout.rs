@@ -2,7 +2,10 @@
 
 use ::laz::{LazItem, LazItemType};
 
-use super::{colour, point10, point14};
+use super::{colour, infrared, point10, point14};
+
+/// Extra bytes of a record that are ours: each has a model of 1 KB in each chunk that is being decompressed.
+const MOST_EXTRA_BYTES: u16 = 64;
 
 /// The fields of a record that we decompress ourselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,32 +15,51 @@ pub(crate) struct Layout {
     /// Whether a time follows the point; in layered ones it is part of the point.
     pub(super) has_time: bool,
     pub(super) has_colour: bool,
+    /// Whether near infrared follows the colour.
+    pub(super) has_infrared: bool,
+    pub(super) extra_bytes: u16,
 }
 
 impl Layout {
-    /// The layout of a record of such items; `None` for those that are left to the crate `laz`: other versions, extra bytes,
-    /// infrared and wave packets.
+    /// The layout of a record of such items; `None` for those that are left to the crate `laz`: other versions, very many extra
+    /// bytes, wave packets.
     pub(crate) fn of(items: &[LazItem]) -> Option<Self> {
         let items: Vec<_> = items
             .iter()
             .map(|item| (item.item_type(), item.version()))
             .collect();
-        let (is_layered, rest) = match items.split_first()? {
+        let (is_layered, mut rest) = match items.split_first()? {
             ((LazItemType::Point10, 2), rest) => (false, rest),
             ((LazItemType::Point14, 3), rest) => (true, rest),
             _ => return None,
         };
-        let (has_time, has_colour) = match (is_layered, rest) {
-            (_, []) => (false, false),
-            (false, [(LazItemType::GpsTime, 2)]) => (true, false),
-            (false, [(LazItemType::RGB12, 2)]) | (true, [(LazItemType::RGB14, 3)]) => (false, true),
-            (false, [(LazItemType::GpsTime, 2), (LazItemType::RGB12, 2)]) => (true, true),
+        let extra_bytes = match (is_layered, rest) {
+            (false, [.., (LazItemType::Byte(count), 2)])
+            | (true, [.., (LazItemType::Byte14(count), 3)]) => *count,
+            _ => 0,
+        };
+        if extra_bytes > MOST_EXTRA_BYTES {
+            return None;
+        }
+        if extra_bytes > 0 {
+            rest = rest.split_last()?.1;
+        }
+        let (has_time, has_colour, has_infrared) = match (is_layered, rest) {
+            (_, []) => (false, false, false),
+            (false, [(LazItemType::GpsTime, 2)]) => (true, false, false),
+            (false, [(LazItemType::RGB12, 2)]) | (true, [(LazItemType::RGB14, 3)]) => {
+                (false, true, false)
+            }
+            (false, [(LazItemType::GpsTime, 2), (LazItemType::RGB12, 2)]) => (true, true, false),
+            (true, [(LazItemType::RGBNIR14, 3)]) => (false, true, true),
             _ => return None,
         };
         Some(Self {
             is_layered,
             has_time,
             has_colour,
+            has_infrared,
+            extra_bytes,
         })
     }
 
@@ -50,6 +72,11 @@ impl Layout {
         };
         let time = if self.has_time { size_of::<f64>() } else { 0 };
         let colour = if self.has_colour { colour::BYTES } else { 0 };
-        point + time + colour
+        let infrared = if self.has_infrared {
+            infrared::BYTES
+        } else {
+            0
+        };
+        point + time + colour + infrared + usize::from(self.extra_bytes)
     }
 }

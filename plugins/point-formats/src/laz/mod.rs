@@ -9,7 +9,7 @@
 //! * [`table`]: the chunks of a file; [`layout`]: which files, the others are left to the crate `laz`
 //! * [`lanes`]: chunks to threads, two at once on each
 //! * [`chunked`]: one stream of all fields, of [`point10`], [`gps_time`] and [`colour`]
-//! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`]
+//! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`] and [`infrared`] ([`by_channel`])
 //! * [`integer`], [`median`]: numbers and what foretells them
 //! * [`model`], [`decoder`]: the arithmetic coder
 //!
@@ -20,10 +20,12 @@
     reason = "the steps of two chunks run side by side only if they lie in one function"
 )]
 
+mod by_channel;
 mod chunked;
 mod colour;
 mod decoder;
 mod gps_time;
+mod infrared;
 mod integer;
 mod lanes;
 mod layered;
