@@ -6,9 +6,11 @@ use ::laz::ParLasZipDecompressor;
 use las::Header;
 use pointstage_plugin_api::{Error, Result};
 
+use crate::large_memory::LargeMemory;
 use crate::laz::Chunks;
 
-/// Points decompressed at once: several chunks of a usual file, so that all cores have work, in some 100 ms on one core.
+/// Points decompressed at once for each thread: two chunks of a usual file, and at least so many in all.
+const POINTS_A_THREAD: u64 = 100_000;
 const POINTS_AT_ONCE: u64 = 400_000;
 
 /// Bytes of points decompressed at once: a header may claim 64 KB a point, and the memory is taken before the first is read.
@@ -100,12 +102,15 @@ impl<'a> Packed<'a> {
         })
     }
 
-    /// The next records, in place of those that `records` holds; none behind the last.
+    /// The next records, in place of those that `records` holds; none behind the last. All threads but `busy` ones have time.
     ///
     /// # Errors
     /// They cannot be decompressed.
-    pub(crate) fn next(&mut self, records: &mut Vec<u8>) -> Result<()> {
-        let most = (BYTES_AT_ONCE / self.stride as u64).clamp(1, POINTS_AT_ONCE);
+    pub(crate) fn next(&mut self, records: &mut LargeMemory, busy: usize) -> Result<()> {
+        let threads = rayon::current_num_threads();
+        let points = (POINTS_A_THREAD * threads as u64).max(POINTS_AT_ONCE);
+        let most = (BYTES_AT_ONCE / self.stride as u64).clamp(1, points);
+        let threads = threads.saturating_sub(busy).max(1);
         let left = self.expected - self.read;
         let damaged = |problem: &dyn std::fmt::Display| {
             Error::failed(format!(
@@ -115,11 +120,11 @@ impl<'a> Packed<'a> {
         };
         let count = match &mut self.decompressor {
             Decompressor::Own(chunks) => chunks
-                .next(records, most, left)
+                .next(records, most, left, threads)
                 .map_err(|problem| damaged(&problem))?,
             Decompressor::Crate(decompressor) => {
                 let count = most.min(left);
-                records.resize(count as usize * self.stride, 0);
+                records.set_length(count as usize * self.stride);
                 if count > 0 {
                     decompressor
                         .decompress_many(records)

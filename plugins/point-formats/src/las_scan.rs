@@ -7,6 +7,7 @@ use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFil
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
 use crate::columns::RUN;
+use crate::large_memory::LargeMemory;
 use crate::las_columns::{Colours, Layout, NAMES, Plan, scale_of};
 use crate::las_extra::{Extra, described};
 use crate::las_records::{Packed, Records};
@@ -57,8 +58,8 @@ impl Loader for LasLoader {
                 let mut largest = 0;
                 while layout.colour.is_some() && largest <= 255 {
                     progress.check()?;
-                    let mut run = Vec::new();
-                    packed.next(&mut run)?;
+                    let mut run = LargeMemory::default();
+                    packed.next(&mut run, 0)?;
                     if run.is_empty() {
                         break;
                     }
@@ -131,14 +132,14 @@ impl HandedOver<'_> {
     fn add_packed(
         &mut self,
         packed: &mut Packed<'_>,
-        held: Vec<Vec<u8>>,
+        held: Vec<LargeMemory>,
         out: &mut Output<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
         let mut held = held.into_iter();
-        let (mut run, mut ahead) = (held.next().unwrap_or_default(), Vec::new());
+        let (mut run, mut ahead) = (held.next().unwrap_or_default(), LargeMemory::default());
         if run.is_empty() {
-            packed.next(&mut run)?;
+            packed.next(&mut run, 0)?;
         }
         while !run.is_empty() {
             self.least_progress = packed.fraction();
@@ -150,7 +151,7 @@ impl HandedOver<'_> {
             // The next ones are decompressed while the host takes these.
             let mut decompressed = Ok(());
             rayon::in_place_scope(|scope| {
-                scope.spawn(|_| decompressed = packed.next(&mut ahead));
+                scope.spawn(|_| decompressed = packed.next(&mut ahead, 1));
                 self.add(&run, out, progress)
             })?;
             decompressed?;

@@ -4,6 +4,7 @@
 mod columns;
 mod e57_point;
 mod e57_scan;
+mod large_memory;
 mod las_columns;
 mod las_extra;
 mod las_records;

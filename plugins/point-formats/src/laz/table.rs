@@ -7,6 +7,7 @@ use ::laz::laszip::{ChunkTable, ChunkTableEntry};
 
 use super::lanes::{Chunk, Incomplete, decompress};
 use super::layout::Layout;
+use crate::large_memory::LargeMemory;
 
 /// The chunks of a file that have not been decompressed yet.
 pub(crate) struct Chunks<'a> {
@@ -46,16 +47,17 @@ impl<'a> Chunks<'a> {
         }))
     }
 
-    /// Decompresses whole chunks of about `points` points, but not of more than `left`, in place of what `records` holds;
-    /// returns their number, 0 only if none is left.
+    /// Decompresses whole chunks of about `points` points, but not of more than `left`, in place of what `records` holds, while
+    /// so many threads have time; returns their number, 0 only if none is left.
     ///
     /// # Errors
     /// [`Incomplete`]: the file ends before its points do, or is damaged.
     pub(crate) fn next(
         &mut self,
-        records: &mut Vec<u8>,
+        records: &mut LargeMemory,
         points: u64,
         left: u64,
+        threads: usize,
     ) -> Result<u64, Incomplete> {
         let (mut inputs, mut count) = (Vec::new(), 0);
         while count < left {
@@ -72,21 +74,15 @@ impl<'a> Chunks<'a> {
                 inputs.push((input, of_chunk as usize * self.layout.stride()));
             }
         }
-        let bytes = count as usize * self.layout.stride();
-        if records.capacity() < bytes {
-            // Zeroed memory of the system, which is first touched by the threads that write to it.
-            *records = vec![0; bytes];
-        } else {
-            records.resize(bytes, 0);
-        }
-        let mut outputs = records.as_mut_slice();
+        records.set_length(count as usize * self.layout.stride());
+        let mut outputs = &mut **records;
         let mut chunks = Vec::with_capacity(inputs.len());
         for (input, bytes) in inputs {
             let (output, rest) = outputs.split_at_mut(bytes);
             outputs = rest;
             chunks.push(Chunk { input, output });
         }
-        decompress(self.layout, chunks)?;
+        decompress(self.layout, chunks, threads)?;
         Ok(count)
     }
 }

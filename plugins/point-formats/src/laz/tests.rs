@@ -7,6 +7,7 @@ use ::laz::{LasZipCompressor, LazItem, LazItemRecordBuilder, LazItemType, LazVlr
 use super::lanes::{Chunk, Incomplete, decompress};
 use super::layout::Layout;
 use super::table::Chunks;
+use crate::large_memory::LargeMemory;
 
 /// Random numbers (xorshift, Marsaglia 2003).
 struct Random(u64);
@@ -143,15 +144,21 @@ fn compressed(items: &[LazItem], records: &[u8], sizes: &[u32]) -> (Vec<u8>, Laz
     (out.into_inner(), description)
 }
 
-/// All records of a file, in runs of about so many points.
-fn read(file: &[u8], description: &LazVlr, count: u64, run: u64) -> Result<Vec<u8>, Incomplete> {
+/// All records of a file, in runs of about so many points, as if there were so many threads: the fewer, the more chunks go in pairs.
+fn read(
+    file: &[u8],
+    description: &LazVlr,
+    count: u64,
+    run: u64,
+    threads: usize,
+) -> Result<Vec<u8>, Incomplete> {
     let mut chunks = Chunks::new(file, 0, description, 1 << 24).unwrap().unwrap();
-    let (mut all, mut records, mut left) = (Vec::new(), vec![1; 7], count);
+    let (mut all, mut records, mut left) = (Vec::new(), LargeMemory::default(), count);
     while left > 0 {
-        left -= chunks.next(&mut records, run, left)?;
+        left -= chunks.next(&mut records, run, left, threads)?;
         all.extend_from_slice(&records);
     }
-    assert_eq!(chunks.next(&mut records, run, 0), Ok(0));
+    assert_eq!(chunks.next(&mut records, run, 0, threads), Ok(0));
     Ok(all)
 }
 
@@ -169,10 +176,10 @@ fn what_was_compressed_comes_out() {
             ] {
                 let wanted = records(kind, &items, count, &mut random);
                 let (file, description) = compressed(&items, &wanted, sizes);
-                for run in [1, 1 << 20] {
-                    let found = read(&file, &description, count as u64, run);
+                for (run, threads) in [(1, 1), (1 << 20, 1), (1 << 20, 16)] {
+                    let found = read(&file, &description, count as u64, run, threads);
                     let same = found.as_ref() == Ok(&wanted);
-                    assert!(same, "{items:?} {kind:?} {count} {sizes:?} {run}");
+                    assert!(same, "{items:?} {kind:?} {count} {sizes:?} {run} {threads}");
                 }
             }
         }
@@ -186,7 +193,7 @@ fn long_chunks_come_out() {
     for items in layouts().into_iter().filter(|items| stride(items) < 40) {
         let wanted = records(Kind::Walk, &items, 30_000, &mut random);
         let (file, description) = compressed(&items, &wanted, &[15_000]);
-        let found = read(&file, &description, 30_000, 1 << 20);
+        let found = read(&file, &description, 30_000, 1 << 20, 1);
         assert!(found == Ok(wanted), "{items:?}");
     }
 }
@@ -208,7 +215,7 @@ fn damage_is_found_or_survived() {
                 input,
                 output: &mut output,
             };
-            decompress(layout, vec![chunk]).map(|()| output)
+            decompress(layout, vec![chunk], 1).map(|()| output)
         };
         assert!(decompressed(whole, 400) == Ok(wanted), "{items:?}");
         for end in (0..bytes - 16).step_by(7) {
@@ -236,7 +243,7 @@ fn a_file_without_all_of_its_chunks_is_incomplete() {
     let items = items(&[LazItemType::Point10]);
     let wanted = records(Kind::Scan, &items, 900, &mut Random(5));
     let (file, description) = compressed(&items, &wanted, &[400]);
-    assert_eq!(read(&file, &description, 1300, 1000), Err(Incomplete));
+    assert_eq!(read(&file, &description, 1300, 1000, 1), Err(Incomplete));
 }
 
 #[test]
