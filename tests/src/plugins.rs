@@ -13,9 +13,9 @@ use crate::data::repository;
 /// A changed copy of `plugin-api` that a plugin is built against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Variant {
-    /// Version 1.2: with one more root field, methods and command. Has to load.
+    /// Version 1.3: with one more root field, methods and command. Has to load.
     Newer,
-    /// Still called 1.1.0, but with two fields of a record swapped. Has to be refused.
+    /// Still called 1.2.0, but with two fields of a record swapped. Has to be refused.
     Changed,
 }
 
@@ -25,8 +25,8 @@ type Edit = (&'static str, &'static str, &'static str);
 const NEWER: &[Edit] = &[
     (
         "plugin-api/Cargo.toml",
-        "version = \"1.1.0\"",
         "version = \"1.2.0\"",
+        "version = \"1.3.0\"",
     ),
     (
         "plugin-api/src/abi/root.rs",

@@ -58,7 +58,7 @@ fn a_good_library_of_many_renderers_is_accepted() -> Result<()> {
         "{}",
         file.verdict.message
     );
-    assert_eq!(file.api.as_deref(), Some("1.1.0"));
+    assert_eq!(file.api.as_deref(), Some("1.2.0"));
     assert!(
         registry.renderers().len() >= 20,
         "{}",
@@ -173,7 +173,7 @@ fn another_major_version_is_refused_with_both_versions_and_advice() -> Result<()
     assert_refused(
         later,
         VerdictClass::Rejected,
-        "built for plugin interface 2.0, this program has 1.1.0; update",
+        "built for plugin interface 2.0, this program has 1.2.0; update",
     )
 }
 
@@ -205,7 +205,7 @@ fn a_newer_minor_version_loads() -> Result<()> {
             file.verdict.message
         );
     }
-    assert_eq!(registry.files()[0].api.as_deref(), Some("1.2.0"));
+    assert_eq!(registry.files()[0].api.as_deref(), Some("1.3.0"));
     // Newer and current in one process, in this order: the outcome must not depend on what was loaded before.
     registry.load(&*registry.find_renderer("variant")?)?;
     registry.load(&*registry.find_renderer("good")?)?;
