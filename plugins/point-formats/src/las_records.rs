@@ -86,6 +86,7 @@ impl<'a> Packed<'a> {
         }
         let mut source = Cursor::new(file);
         source.set_position(start);
+        // Made in any case: it refuses files without chunks, which neither of the two decompresses.
         let decompressor = ParLasZipDecompressor::new(source, description.clone())
             .map_err(|error| unknown(&error))?;
         let chunks = Chunks::new(file, start, &description, BYTES_AT_ONCE)
