@@ -207,6 +207,7 @@ pub(crate) trait Sink {
     fn keep(&self, texture: &LoadTextureRecord<'_>) -> Result<u32>;
     fn cover(&self, textures: &[u32], uvs: &[[f32; 2]]) -> Result<()>;
     fn scale(&self, scale: &LoadScaleRecord) -> Result<()>;
+    fn forget(&self) -> Result<()>;
 }
 
 impl Sink for LoadSinkRef<'_> {
@@ -236,6 +237,10 @@ impl Sink for LoadSinkRef<'_> {
 
     fn scale(&self, scale: &LoadScaleRecord) -> Result<()> {
         from_border(self.scaled_positions(scale))
+    }
+
+    fn forget(&self) -> Result<()> {
+        from_border(self.begin_again())
     }
 }
 
@@ -323,6 +328,16 @@ impl<'a> Output<'a> {
     pub fn scaled_positions(&mut self, scale: [f64; 3], offset: [f64; 3]) -> Result<bool> {
         let answer = self.sink.scale(&LoadScaleRecord { scale, offset });
         Ok(if_supported(answer)?.is_some())
+    }
+
+    /// Forgets all that was handed over, warnings included, so that a loader which finds late that it took the file wrong can begin
+    /// again, with other columns if need be. `false` by a host that keeps what it was given (before 1.3): ask before the columns
+    /// whether that is so.
+    ///
+    /// # Errors
+    /// The load was cancelled.
+    pub fn begin_again(&mut self) -> Result<bool> {
+        Ok(if_supported(self.sink.forget())?.is_some())
     }
 
     /// Textures of the next polygons that have none yet, in the order in which polygons and triangles were added: the number of

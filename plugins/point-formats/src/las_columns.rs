@@ -6,6 +6,7 @@ use pointstage_plugin_api::loading::Column;
 use rayon::prelude::*;
 
 use crate::las_extra::Extra;
+use crate::las_rows::{Source, fields, nearest_byte, words};
 
 /// Records that one thread takes apart at a time: few enough that they stay in its cache while column after column is
 /// taken from them.
@@ -41,6 +42,18 @@ impl Colours {
             0 => Self::None,
             1..=255 => Self::Bytes,
             _ => Self::Words,
+        }
+    }
+
+    /// Components of 16 bits, native byte order, as bytes in place of what `bytes` holds.
+    pub(crate) fn bytes_of(self, components: &[u8], bytes: &mut Vec<u8>) {
+        let components = components.as_chunks().0.iter();
+        let components = components.map(|component| u16::from_ne_bytes(*component));
+        bytes.clear();
+        match self {
+            Self::None => {}
+            Self::Bytes => bytes.extend(components.map(|component| component as u8)),
+            Self::Words => bytes.extend(components.map(nearest_byte)),
         }
     }
 }
@@ -112,42 +125,21 @@ struct Part<'a> {
     width: usize,
 }
 
-/// What a column is made of. Numbers without a name of their own are places in a record.
-enum Source<'a> {
-    /// x, y and z as they are.
-    Numbers,
-    /// x, y and z, `value = scale · number + offset`.
-    Position { scale: [f64; 3], offset: [f64; 3] },
-    /// `(byte >> shift) & mask`.
-    Bits { place: usize, shift: u32, mask: u8 },
-    /// A whole number of 16 bits.
-    Word(usize),
-    /// A double.
-    Double(usize),
-    /// Degrees in a byte.
-    Degrees(usize),
-    /// Steps of 0.006 degrees.
-    Steps(usize),
-    /// Three components of 16 bits, of which the bytes nearest to them are kept.
-    ColourWords(usize),
-    /// Three components of 16 bits, of which only the lower byte is used.
-    ColourBytes(usize),
-    /// A value of the extra bytes, which begin there.
-    Extra { extra: &'a Extra, first: usize },
-}
-
 /// The columns that a file has.
 pub(crate) struct Plan<'a> {
     stride: usize,
     parts: Vec<Part<'a>>,
+    /// Number of the part that colours are.
+    colour: Option<usize>,
 }
 
 impl<'a> Plan<'a> {
-    /// Of a host that knows what the numbers of positions stand for (`knows_scale`) or must be told values.
+    /// Of a host that knows what the numbers of positions stand for (`knows_scale`) or must be told values. Colours that are not
+    /// known to be bytes or words yet stay components of 16 bits, of which [`Colours::bytes_of`] makes bytes.
     pub(crate) fn new(
         header: &Header,
         knows_scale: bool,
-        colours: Colours,
+        colours: Option<Colours>,
         extras: &'a [Extra],
     ) -> Self {
         let layout = Layout::of(header);
@@ -167,15 +159,19 @@ impl<'a> Plan<'a> {
         }];
         parts.extend(always(layout.is_extended));
         let colour = layout.colour.and_then(|place| match colours {
-            Colours::None => None,
-            Colours::Bytes => Some(Source::ColourBytes(place)),
-            Colours::Words => Some(Source::ColourWords(place)),
+            Some(Colours::None) => None,
+            Some(Colours::Bytes) => Some((Source::ColourBytes(place), 3)),
+            Some(Colours::Words) => Some((Source::ColourWords(place), 3)),
+            None => Some((Source::Components(place), 6)),
         });
-        parts.extend(colour.map(|source| Part {
-            column: Column::RGB_U8,
-            source,
-            width: 3,
-        }));
+        let colour = colour.map(|(source, width)| {
+            parts.push(Part {
+                column: Column::RGB_U8,
+                source,
+                width,
+            });
+            parts.len() - 1
+        });
         if let Some(place) = layout.time {
             parts.push(Part::named(
                 NAMES[7],
@@ -197,12 +193,39 @@ impl<'a> Plan<'a> {
         Self {
             stride: layout.stride,
             parts,
+            colour,
         }
     }
 
     /// The columns, in the order of [`Self::fill`].
     pub(crate) fn columns(&self) -> Vec<Column<'a>> {
         self.parts.iter().map(|part| part.column).collect()
+    }
+
+    /// Number of the column of colours, if there is one.
+    pub(crate) fn colour(&self) -> Option<usize> {
+        self.colour
+    }
+
+    /// Bytes of a record.
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Bytes that each column has a point, in the order of [`Self::fill`].
+    pub(crate) fn widths(&self) -> impl Iterator<Item = usize> {
+        self.parts.iter().map(|part| part.width)
+    }
+
+    /// Takes whole records apart, into the places of theirs in each column.
+    pub(crate) fn take_apart<'s>(
+        &self,
+        records: &[u8],
+        slots: impl IntoIterator<Item = &'s mut [u8]>,
+    ) {
+        for (part, out) in self.parts.iter().zip(slots) {
+            part.source.write(records, self.stride, out);
+        }
     }
 
     /// Takes whole records apart, on all cores: the bytes of each column replace those that were there.
@@ -219,22 +242,9 @@ impl<'a> Plan<'a> {
                 slots.push(bytes);
             }
         }
-        pieces.zip(slots).for_each(|(records, slots)| {
-            for (part, out) in self.parts.iter().zip(slots) {
-                // Loops over records of a known length are three times as fast; these are those of the formats without
-                // waveforms and extra bytes.
-                match self.stride {
-                    20 => part.source.write(&Fixed::<20>(records), out),
-                    26 => part.source.write(&Fixed::<26>(records), out),
-                    28 => part.source.write(&Fixed::<28>(records), out),
-                    30 => part.source.write(&Fixed::<30>(records), out),
-                    34 => part.source.write(&Fixed::<34>(records), out),
-                    36 => part.source.write(&Fixed::<36>(records), out),
-                    38 => part.source.write(&Fixed::<38>(records), out),
-                    stride => part.source.write(&Any { records, stride }, out),
-                }
-            }
-        });
+        pieces
+            .zip(slots)
+            .for_each(|(records, slots)| self.take_apart(records, slots));
     }
 }
 
@@ -284,201 +294,9 @@ impl Part<'static> {
     }
 }
 
-/// Records of a run.
-trait Rows {
-    /// `N` bytes of each record, from `place` on; a record that ends before them ends all.
-    fn fields<const N: usize>(&self, place: usize) -> impl Iterator<Item = &[u8; N]>;
-
-    /// The bytes, and how many of them are a record.
-    fn bytes(&self) -> (&[u8], usize);
-}
-
-/// Records of `S` bytes.
-struct Fixed<'a, const S: usize>(&'a [u8]);
-
-impl<const S: usize> Rows for Fixed<'_, S> {
-    #[inline]
-    fn fields<const N: usize>(&self, place: usize) -> impl Iterator<Item = &[u8; N]> {
-        let records = self.0.as_chunks::<S>().0.iter();
-        records.map_while(move |record| record.get(place..)?.first_chunk())
-    }
-
-    fn bytes(&self) -> (&[u8], usize) {
-        (self.0, S)
-    }
-}
-
-/// Records of any length.
-struct Any<'a> {
-    records: &'a [u8],
-    stride: usize,
-}
-
-impl Rows for Any<'_> {
-    #[inline]
-    fn fields<const N: usize>(&self, place: usize) -> impl Iterator<Item = &[u8; N]> {
-        fields(self.records, place, self.stride)
-    }
-
-    fn bytes(&self) -> (&[u8], usize) {
-        (self.records, self.stride)
-    }
-}
-
-impl Source<'_> {
-    /// The values of records into `out`, native byte order.
-    fn write(&self, records: &impl Rows, out: &mut [u8]) {
-        match *self {
-            Self::Numbers => convert(records, 0, out, |bytes: [u8; 12]| {
-                let [x, y, z] = numbers(bytes).map(i32::to_ne_bytes);
-                [
-                    x[0], x[1], x[2], x[3], y[0], y[1], y[2], y[3], z[0], z[1], z[2], z[3],
-                ]
-            }),
-            Self::Position { scale, offset } => {
-                let rows = records.fields::<12>(0);
-                for (bytes, out) in rows.zip(out.as_chunks_mut::<24>().0) {
-                    let numbers = numbers(*bytes);
-                    for (axis, out) in out.as_chunks_mut::<8>().0.iter_mut().enumerate() {
-                        let number = f64::from(numbers[axis]);
-                        *out = (scale[axis] * number + offset[axis]).to_ne_bytes();
-                    }
-                }
-            }
-            Self::Bits { place, shift, mask } => {
-                convert(records, place, out, |[byte]| [(byte >> shift) & mask]);
-            }
-            Self::Word(place) => convert(records, place, out, |bytes| {
-                u16::from_le_bytes(bytes).to_ne_bytes()
-            }),
-            Self::Double(place) => convert(records, place, out, |bytes| {
-                f64::from_le_bytes(bytes).to_ne_bytes()
-            }),
-            Self::Degrees(place) => convert(records, place, out, |[byte]| {
-                f32::from(byte as i8).to_ne_bytes()
-            }),
-            Self::Steps(place) => convert(records, place, out, |bytes| {
-                (f32::from(i16::from_le_bytes(bytes)) * 0.006).to_ne_bytes()
-            }),
-            Self::ColourWords(place) => {
-                convert(records, place, out, |bytes| words(bytes).map(nearest_byte));
-            }
-            Self::ColourBytes(place) => convert(records, place, out, |bytes| {
-                words(bytes).map(|value| value as u8)
-            }),
-            Self::Extra { extra, first } => {
-                let (bytes, stride) = records.bytes();
-                extra.write(bytes, stride, first, out);
-            }
-        }
-    }
-}
-
-/// `FROM` bytes of each record, from `place` on, as `TO` bytes of `out`.
-#[inline]
-fn convert<const FROM: usize, const TO: usize>(
-    records: &impl Rows,
-    place: usize,
-    out: &mut [u8],
-    value: impl Fn([u8; FROM]) -> [u8; TO],
-) {
-    for (bytes, out) in records.fields(place).zip(out.as_chunks_mut().0) {
-        *out = value(*bytes);
-    }
-}
-
-/// `N` bytes of each record, from `place` on; a record that ends before them ends all.
-#[inline]
-fn fields<const N: usize>(
-    records: &[u8],
-    place: usize,
-    stride: usize,
-) -> impl Iterator<Item = &[u8; N]> {
-    let own = records.get(place..).unwrap_or_default();
-    own.chunks(stride).map_while(<[u8]>::first_chunk)
-}
-
-/// The numbers of a position.
-#[inline]
-fn numbers(bytes: [u8; 12]) -> [i32; 3] {
-    let numbers = bytes.as_chunks::<4>().0;
-    std::array::from_fn(|index| i32::from_le_bytes(numbers[index]))
-}
-
-/// Of 16 bits the byte of the nearest colour, as 65535 = 257 · 255.
-#[inline]
-fn nearest_byte(value: u16) -> u8 {
-    ((u32::from(value) + 128) / 257) as u8
-}
-
 /// Scale and offset of the positions.
 pub(crate) fn scale_of(header: &Header) -> ([f64; 3], [f64; 3]) {
     let transforms = header.transforms();
     let axes = [&transforms.x, &transforms.y, &transforms.z];
     (axes.map(|axis| axis.scale), axes.map(|axis| axis.offset))
-}
-
-/// The components of a colour.
-#[inline]
-fn words(bytes: [u8; 6]) -> [u16; 3] {
-    let words = bytes.as_chunks::<2>().0;
-    std::array::from_fn(|index| u16::from_le_bytes(words[index]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_byte_of_a_colour_is_the_nearest() {
-        for value in 0..=u16::MAX {
-            let exact = f64::from(value) / 257.0;
-            assert_eq!(nearest_byte(value), exact.round() as u8, "{value}");
-        }
-    }
-
-    #[test]
-    fn records_of_known_length_are_read_as_any_are() {
-        fn check<const S: usize>() {
-            let records: Vec<u8> = (0..100 * S).map(|index| (index * 37 % 251) as u8).collect();
-            let any = Any {
-                records: &records,
-                stride: S,
-            };
-            let position = Source::Position {
-                scale: [0.5, -0.25, 3.0],
-                offset: [1.0, 2.0, 1e6],
-            };
-            let bits = Source::Bits {
-                place: 14,
-                shift: 3,
-                mask: 7,
-            };
-            let last = S - 6;
-            for (source, width) in [
-                (Source::Numbers, 12),
-                (position, 24),
-                (bits, 1),
-                (Source::Word(12), 2),
-                (Source::Double(last - 2), 8),
-                (Source::Degrees(16), 4),
-                (Source::Steps(18), 4),
-                (Source::ColourWords(last), 3),
-                (Source::ColourBytes(last), 3),
-            ] {
-                let (mut fixed, mut expected) = (vec![0; 100 * width], vec![0; 100 * width]);
-                source.write(&Fixed::<S>(&records), &mut fixed);
-                source.write(&any, &mut expected);
-                assert_eq!(fixed, expected, "{S}, width {width}");
-                assert!(expected.iter().any(|byte| *byte != 0), "{S}, width {width}");
-            }
-        }
-        check::<20>();
-        check::<26>();
-        check::<28>();
-        check::<30>();
-        check::<34>();
-        check::<36>();
-        check::<38>();
-    }
 }

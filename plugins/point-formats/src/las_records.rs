@@ -1,4 +1,4 @@
-//! Records of LAS points as they lie in the file, or decompressed from it, run by run.
+//! Records of LAS points: as they lie in the file, or decompressed, chunk by chunk.
 
 use std::io::Cursor;
 
@@ -6,14 +6,17 @@ use ::laz::ParLasZipDecompressor;
 use las::Header;
 use pointstage_plugin_api::{Error, Result};
 
-use crate::large_memory::LargeMemory;
-use crate::laz::Chunks;
+use crate::las_columns::{Layout, Plan};
+use crate::las_pieces::{HandedOver, Piece, Stop};
+use crate::laz::{Chunks, Ended, Limits, Taker as _};
 
-/// Points decompressed at once for each thread: two chunks of a usual file, and at least so many in all.
-const POINTS_A_THREAD: u64 = 100_000;
-const POINTS_AT_ONCE: u64 = 400_000;
+/// Bytes of records that are decompressed and not yet handed over, for each thread (two chunks of a usual file, and as many
+/// again), and at least so many in all.
+const BYTES_A_THREAD: usize = 6 << 20;
+const LEAST_BYTES: usize = 1 << 24;
 
-/// Bytes of points decompressed at once: a header may claim 64 KB a point, and the memory is taken before the first is read.
+/// Bytes of points that the crate decompresses at once, and that a chunk of ours may have: a header may claim 64 KB a point, and
+/// the memory is taken before the first is read.
 const BYTES_AT_ONCE: u64 = 1 << 24;
 
 /// Where records come from.
@@ -26,9 +29,8 @@ pub(crate) enum Records<'a> {
 /// Records that are decompressed.
 pub(crate) struct Packed<'a> {
     decompressor: Decompressor<'a>,
-    stride: usize,
+    layout: Layout,
     expected: u64,
-    read: u64,
 }
 
 /// What decompresses records.
@@ -73,23 +75,25 @@ impl<'a> Packed<'a> {
             ))
         };
         let description = header.laz_vlr().map_err(|error| unknown(&error))?;
-        let stride = usize::from(header.point_format().len());
+        let layout = Layout::of(header);
         let packed: usize = description
             .items()
             .iter()
             .map(|item| usize::from(item.size()))
             .sum();
-        if packed != stride {
+        if packed != layout.stride {
             return Err(unknown(&format_args!(
-                "expected points of {stride} bytes, found {packed}"
+                "expected points of {} bytes, found {packed}",
+                layout.stride
             )));
         }
+        let expected = header.number_of_points();
         let mut source = Cursor::new(file);
         source.set_position(start);
         // Made in any case: it refuses files without chunks, which neither of the two decompresses.
         let decompressor = ParLasZipDecompressor::new(source, description.clone())
             .map_err(|error| unknown(&error))?;
-        let chunks = Chunks::new(file, start, &description, BYTES_AT_ONCE)
+        let chunks = Chunks::new(file, start, expected, &description, BYTES_AT_ONCE)
             .map_err(|error| unknown(&error))?;
         let decompressor = match chunks {
             Some(chunks) => Decompressor::Own(chunks),
@@ -97,49 +101,59 @@ impl<'a> Packed<'a> {
         };
         Ok(Self {
             decompressor,
-            stride,
-            expected: header.number_of_points(),
-            read: 0,
+            layout,
+            expected,
         })
     }
 
-    /// The next records, in place of those that `records` holds; none behind the last. All threads but `busy` ones have time.
+    /// Decompresses all records and hands them over.
     ///
     /// # Errors
-    /// They cannot be decompressed.
-    pub(crate) fn next(&mut self, records: &mut LargeMemory, busy: usize) -> Result<()> {
-        let threads = rayon::current_num_threads();
-        let points = (POINTS_A_THREAD * threads as u64).max(POINTS_AT_ONCE);
-        let most = (BYTES_AT_ONCE / self.stride as u64).clamp(1, points);
-        let threads = threads.saturating_sub(busy).max(1);
-        let left = self.expected - self.read;
-        let damaged = |problem: &dyn std::fmt::Display| {
-            Error::failed(format!(
-                "expected {} points, but behind point {} comes what cannot be read: {problem}; the file is damaged or truncated, copy it again",
-                self.expected, self.read
-            ))
+    /// They cannot be decompressed, or what takes them stops.
+    pub(crate) fn hand_over(
+        self,
+        plan: &Plan<'_>,
+        handed: &mut HandedOver<'_, '_>,
+    ) -> Result<(), Stop> {
+        let expected = self.expected;
+        let damaged = |taken: u64, problem: &dyn std::fmt::Display| {
+            Stop::Failed(Error::failed(format!(
+                "expected {expected} points, but behind point {taken} comes what cannot be read: {problem}; the file is damaged or truncated, copy it again"
+            )))
         };
-        let count = match &mut self.decompressor {
-            Decompressor::Own(chunks) => chunks
-                .next(records, most, left, threads)
-                .map_err(|problem| damaged(&problem))?,
-            Decompressor::Crate(decompressor) => {
-                let count = most.min(left);
-                records.set_length(count as usize * self.stride);
-                if count > 0 {
-                    decompressor
-                        .decompress_many(records)
-                        .map_err(|problem| damaged(&problem))?;
+        match self.decompressor {
+            Decompressor::Own(chunks) => {
+                let threads = rayon::current_num_threads();
+                let limits = Limits {
+                    threads,
+                    points: (threads * BYTES_A_THREAD).max(LEAST_BYTES) / self.layout.stride,
+                };
+                let fetch = |piece: Piece| handed.take(piece);
+                match chunks.decompress(limits, plan, fetch) {
+                    Ok(()) => Ok(()),
+                    Err(Ended::By(stop)) => Err(stop),
+                    Err(Ended::Damaged(problem)) => Err(damaged(handed.taken(), &problem)),
+                    Err(Ended::NoThread(error)) => Err(Stop::Failed(Error::failed(format!(
+                        "the system gives no thread to decompress it: {error}; close other programs"
+                    )))),
                 }
-                count
             }
-        };
-        self.read += count;
-        Ok(())
-    }
-
-    /// How much of the file has been read, from 0 to 1.
-    pub(crate) fn fraction(&self) -> f32 {
-        self.read as f32 / self.expected as f32
+            Decompressor::Crate(mut decompressor) => {
+                let most = (BYTES_AT_ONCE / self.layout.stride as u64).max(1);
+                let (mut records, mut piece) = (Vec::new(), Piece::default());
+                while handed.taken() < expected {
+                    let count = most.min(expected - handed.taken()) as usize;
+                    records.resize(count * self.layout.stride, 0);
+                    decompressor
+                        .decompress_many(&mut records)
+                        .map_err(|problem| damaged(handed.taken(), &problem))?;
+                    plan.begin(&mut piece, count);
+                    plan.fill(&records, &mut piece.columns);
+                    piece.largest_colour = self.layout.largest_colour(&records);
+                    piece = handed.take(piece)?.unwrap_or_default();
+                }
+                Ok(())
+            }
+        }
     }
 }

@@ -7,13 +7,13 @@ use pointstage_plugin_api::loading::{Claim, FileStart, Loader, Output, SourceFil
 use pointstage_plugin_api::{Error, Host, Progress, Result, Settings};
 
 use crate::columns::RUN;
-use crate::large_memory::LargeMemory;
 use crate::las_columns::{Colours, Layout, NAMES, Plan, scale_of};
 use crate::las_extra::{Extra, described};
-use crate::las_records::{Packed, Records};
+use crate::las_pieces::{HandedOver, Stop, warn_of_black};
+use crate::las_records::Records;
 
 /// What the progress says.
-const READING: &str = "reading points";
+pub(crate) const READING: &str = "reading points";
 
 /// The loader of LAS and LAZ files.
 pub struct LasLoader;
@@ -47,118 +47,87 @@ impl Loader for LasLoader {
                 "the file has 0 points; there is nothing to show",
             ));
         }
-        let layout = Layout::of(&header);
-        let mut records = Records::new(file.bytes, source.position(), &header)?;
-        let extras = extras_of(&header, out);
-        // What must be read before it is known how colours are kept.
-        let mut held = Vec::new();
-        let largest = match &mut records {
-            Records::Plain(bytes) => layout.largest_colour(bytes),
-            Records::Packed(packed) => {
-                let mut largest = 0;
-                while layout.colour.is_some() && largest <= 255 {
-                    progress.check()?;
-                    let mut run = LargeMemory::default();
-                    packed.next(&mut run, 0)?;
-                    if run.is_empty() {
-                        break;
-                    }
-                    progress.set(packed.fraction(), READING);
-                    largest = largest.max(layout.largest_colour(&run));
-                    held.push(run);
-                }
-                largest
+        match attempt(file.bytes, source.position(), &header, None, out, progress) {
+            Err(Stop::ColoursAreWords) => {
+                let colours = Some(Colours::Words);
+                attempt(
+                    file.bytes,
+                    source.position(),
+                    &header,
+                    colours,
+                    out,
+                    progress,
+                )
             }
-        };
-        if layout.colour.is_some() && largest == 0 {
-            out.warn(
-                "the file has colours, but all are black: they are left out",
-                1,
-            );
+            ended => ended,
         }
-        let (scale, offset) = scale_of(&header);
-        let knows_scale = out.scaled_positions(scale, offset)?;
-        let plan = Plan::new(&header, knows_scale, Colours::of(largest), &extras);
-        let expected = header.number_of_points();
-        out.columns(&plan.columns(), expected)?;
-        let mut handed = HandedOver {
-            plan,
-            stride: layout.stride,
-            columns: Vec::new(),
-            count: 0,
-            expected,
-            least_progress: 0.0,
-        };
-        match &mut records {
-            Records::Plain(bytes) => handed.add(bytes, out, progress),
-            Records::Packed(packed) => handed.add_packed(packed, held, out, progress),
-        }?;
-        for extra in &extras {
-            extra.warn_of_rounded(out);
-        }
-        Ok(())
+        .map_err(|stop| match stop {
+            Stop::Failed(error) => error,
+            // None is told that already knows.
+            Stop::ColoursAreWords => Error::failed("colours are words, and are not"),
+        })
     }
 }
 
-/// Columns that go to the host.
-struct HandedOver<'a> {
-    plan: Plan<'a>,
-    stride: usize,
-    /// Those of the run at hand; kept for their memory.
-    columns: Vec<Vec<u8>>,
-    count: u64,
-    expected: u64,
-    /// Part of the file that has been read, though not all of it may be handed over yet.
-    least_progress: f32,
+/// Reads all points, which begin at byte `start`. How colours are kept is told or found out.
+fn attempt(
+    file: &[u8],
+    start: u64,
+    header: &Header,
+    colours: Option<Colours>,
+    out: &mut Output<'_>,
+    progress: &Progress<'_>,
+) -> Result<(), Stop> {
+    let records = Records::new(file, start, header)?;
+    // Nothing has been handed over, or what was is forgotten; the host tells whether it could forget again.
+    let may_begin_again = out.begin_again()?;
+    let extras = extras_of(header, out);
+    let (scale, offset) = scale_of(header);
+    let knows_scale = out.scaled_positions(scale, offset)?;
+    match records {
+        Records::Plain(bytes) => {
+            let layout = Layout::of(header);
+            let colours = Colours::of(layout.largest_colour(bytes));
+            if layout.colour.is_some() && colours == Colours::None {
+                warn_of_black(out);
+            }
+            let plan = Plan::new(header, knows_scale, Some(colours), &extras);
+            hand_over(bytes, &plan, out, progress)?;
+        }
+        Records::Packed(packed) => {
+            let plan = Plan::new(header, knows_scale, None, &extras);
+            let expected = header.number_of_points();
+            let mut handed =
+                HandedOver::new(&plan, colours, may_begin_again, expected, out, progress)?;
+            packed.hand_over(&plan, &mut handed)?;
+            handed.finish()?;
+        }
+    }
+    for extra in &extras {
+        extra.warn_of_rounded(out);
+    }
+    Ok(())
 }
 
-impl HandedOver<'_> {
-    /// Takes records apart and hands them over.
-    fn add(&mut self, records: &[u8], out: &mut Output<'_>, progress: &Progress<'_>) -> Result<()> {
-        for run in records.chunks(RUN * self.stride) {
-            progress.check()?;
-            let fraction = self.count as f32 / self.expected as f32;
-            progress.set(fraction.max(self.least_progress), READING);
-            self.plan.fill(run, &mut self.columns);
-            let columns: Vec<&[u8]> = self.columns.iter().map(Vec::as_slice).collect();
-            let count = run.len() / self.stride;
-            out.rows(count, &columns)?;
-            self.count += count as u64;
-        }
-        Ok(())
+/// Takes records apart that lie in the file, and hands them over.
+fn hand_over(
+    records: &[u8],
+    plan: &Plan<'_>,
+    out: &mut Output<'_>,
+    progress: &Progress<'_>,
+) -> Result<()> {
+    let expected = records.len() / plan.stride();
+    out.columns(&plan.columns(), expected as u64)?;
+    // Kept for their memory.
+    let mut columns = Vec::new();
+    for (number, run) in records.chunks(RUN * plan.stride()).enumerate() {
+        progress.check()?;
+        progress.set((number * RUN) as f32 / expected as f32, READING);
+        plan.fill(run, &mut columns);
+        let columns: Vec<&[u8]> = columns.iter().map(Vec::as_slice).collect();
+        out.rows(run.len() / plan.stride(), &columns)?;
     }
-
-    /// Hands over runs that are there, and what is still to be decompressed.
-    fn add_packed(
-        &mut self,
-        packed: &mut Packed<'_>,
-        held: Vec<LargeMemory>,
-        out: &mut Output<'_>,
-        progress: &Progress<'_>,
-    ) -> Result<()> {
-        let mut held = held.into_iter();
-        let (mut run, mut ahead) = (held.next().unwrap_or_default(), LargeMemory::default());
-        if run.is_empty() {
-            packed.next(&mut run, 0)?;
-        }
-        while !run.is_empty() {
-            self.least_progress = packed.fraction();
-            if let Some(next) = held.next() {
-                self.add(&run, out, progress)?;
-                run = next;
-                continue;
-            }
-            // The next ones are decompressed while the host takes these.
-            let mut decompressed = Ok(());
-            rayon::in_place_scope(|scope| {
-                scope.spawn(|_| decompressed = packed.next(&mut ahead, 1));
-                self.add(&run, out, progress)
-            })?;
-            decompressed?;
-            std::mem::swap(&mut run, &mut ahead);
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// The described extra values, each with a name that no other column has.

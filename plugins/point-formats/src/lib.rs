@@ -4,10 +4,11 @@
 mod columns;
 mod e57_point;
 mod e57_scan;
-mod large_memory;
 mod las_columns;
 mod las_extra;
+mod las_pieces;
 mod las_records;
+mod las_rows;
 mod las_scan;
 mod laz;
 mod lzf;

@@ -255,6 +255,13 @@ impl LoadSinkObject for Sink<'_> {
             Ok(())
         })
     }
+
+    fn begin_again(&self) -> RResult<(), ErrorRecord> {
+        self.change(|state| {
+            *state = State::default();
+            Ok(())
+        })
+    }
 }
 
 /// A border's column as the scene has it.

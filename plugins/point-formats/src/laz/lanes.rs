@@ -1,13 +1,7 @@
-//! Chunks in lockstep: two at once on each thread, where there are enough of them.
+//! What a thread does with the chunks that it decompresses: two in lockstep, a run of points at a time.
 
 use std::fmt;
-use std::slice::ChunksExactMut;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use rayon::prelude::*;
-
-use super::chunked::ChunkedLane;
-use super::layered::LayeredLane;
 use super::layout::Layout;
 
 /// A chunk that ends before its records do.
@@ -20,15 +14,16 @@ impl fmt::Display for Incomplete {
     }
 }
 
-/// A compressed chunk and where its records go.
+/// A compressed chunk.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Chunk<'a> {
     pub(crate) input: &'a [u8],
-    /// A whole number of records, at least one.
-    pub(crate) output: &'a mut [u8],
+    /// Records in it, at least one.
+    pub(crate) count: usize,
 }
 
 /// A chunk that is being decompressed.
-pub(super) trait Lane<'a>: Sized {
+pub(super) trait Lane<'a>: Sized + Send {
     /// Begins a chunk and writes its first record.
     fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
 
@@ -39,154 +34,135 @@ pub(super) trait Lane<'a>: Sized {
     fn is_whole(&self) -> bool;
 }
 
-/// Decompresses chunks, on all threads, of which so many have nothing else to do at first.
-///
-/// # Errors
-/// [`Incomplete`]: one of them is damaged or cut off.
-pub(crate) fn decompress(
+/// What takes the records of a chunk as they come out.
+pub(crate) trait Taker: Sync {
+    /// All of a chunk, in the form that is wanted.
+    type Piece: Default + Send;
+
+    /// Makes room for so many records, in place of what the piece held.
+    fn begin(&self, piece: &mut Self::Piece, count: usize);
+
+    /// Puts records into the piece, behind the `first` ones that it has.
+    fn add(&self, piece: &mut Self::Piece, first: usize, records: &[u8]);
+}
+
+/// Records of a lane that come out before they are taken: with those of the other they stay in the second-level cache.
+const RUN: usize = 1024;
+
+/// A lane's chunk, and how far it is.
+pub(super) struct Progress<P> {
+    /// Number of the chunk in its file.
+    pub(super) chunk: usize,
+    pub(super) piece: P,
+    taken: usize,
+    count: usize,
+}
+
+/// The lanes of one thread, two at most.
+pub(super) struct Lanes<'t, L, T: Taker> {
+    taker: &'t T,
     layout: Layout,
-    chunks: Vec<Chunk<'_>>,
-    threads: usize,
-) -> Result<(), Incomplete> {
-    if layout.is_layered {
-        share::<LayeredLane<'_>>(layout, chunks, threads)
-    } else {
-        share::<ChunkedLane<'_>>(layout, chunks, threads)
-    }
+    // Side by side, as `Lane::next` wants them.
+    lanes: Vec<L>,
+    progress: Vec<Progress<T::Piece>>,
+    records: [Vec<u8>; 2],
 }
 
-fn share<'a, L: Lane<'a> + Send>(
-    layout: Layout,
-    mut chunks: Vec<Chunk<'a>>,
-    threads: usize,
-) -> Result<(), Incomplete> {
-    // The longest are begun first, so that all threads end at about the same time.
-    chunks.sort_by_key(|chunk| std::cmp::Reverse(chunk.output.len()));
-    let queue = Queue {
-        layout,
-        waiting: Mutex::new(Waiting {
-            chunks: chunks.into_iter(),
-            threads,
-        }),
-    };
-    (0..rayon::current_num_threads())
-        .into_par_iter()
-        .try_for_each(|_| work::<L>(&queue))
-}
-
-/// What is still to be decompressed, and how.
-struct Queue<'a> {
-    layout: Layout,
-    waiting: Mutex<Waiting<'a>>,
-}
-
-/// What has not begun yet.
-struct Waiting<'a> {
-    chunks: std::vec::IntoIter<Chunk<'a>>,
-    threads: usize,
-}
-
-/// A chunk that was begun, and the records behind its first.
-type Begun<'a, L> = (L, ChunksExactMut<'a, u8>);
-
-impl<'a> Queue<'a> {
-    /// The first chunk of a thread, and a second if that leaves one for each thread that has none yet: alone they take longer, but
-    /// less than one after the other.
-    fn first<L: Lane<'a>>(&self) -> Result<[Option<Begun<'a, L>>; 2], Incomplete> {
-        let mut waiting = self.lock();
-        waiting.threads = waiting.threads.saturating_sub(1);
-        let chunk = waiting.chunks.next();
-        let has_second = waiting.chunks.len() > waiting.threads;
-        let second = has_second.then(|| waiting.chunks.next()).flatten();
-        drop(waiting);
-        Ok([self.begin(chunk)?, self.begin(second)?])
+impl<'t, 'a, L: Lane<'a>, T: Taker> Lanes<'t, L, T> {
+    pub(super) fn new(layout: Layout, taker: &'t T) -> Self {
+        let records = || vec![0; RUN * layout.stride()];
+        Self {
+            taker,
+            layout,
+            lanes: Vec::with_capacity(2),
+            progress: Vec::with_capacity(2),
+            records: [records(), records()],
+        }
     }
 
-    /// Begins the next chunk; `None` when there are no more.
-    fn next<L: Lane<'a>>(&self) -> Result<Option<Begun<'a, L>>, Incomplete> {
-        let chunk = self.lock().chunks.next();
-        self.begin(chunk)
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.lanes.len()
     }
 
-    fn lock(&self) -> MutexGuard<'_, Waiting<'a>> {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn begin<L: Lane<'a>>(
-        &self,
-        chunk: Option<Chunk<'a>>,
-    ) -> Result<Option<Begun<'a, L>>, Incomplete> {
-        let Some(chunk) = chunk else {
-            return Ok(None);
-        };
-        let mut records = chunk.output.chunks_exact_mut(self.layout.stride());
-        let first = records.next().ok_or(Incomplete)?;
+    /// Begins a chunk in a lane of its own; `piece` is one that may be overwritten.
+    ///
+    /// # Errors
+    /// The chunk has no first record.
+    pub(super) fn begin(
+        &mut self,
+        number: usize,
+        chunk: Chunk<'a>,
+        mut piece: T::Piece,
+    ) -> Result<(), Incomplete> {
+        let [records, _] = &mut self.records;
+        let first = &mut records[..self.layout.stride()];
         let lane = L::begin(self.layout, chunk.input, first)?;
-        Ok(Some((lane, records)))
+        self.taker.begin(&mut piece, chunk.count);
+        self.taker.add(&mut piece, 0, first);
+        self.push((
+            lane,
+            Progress {
+                chunk: number,
+                piece,
+                taken: 1,
+                count: chunk.count,
+            },
+        ));
+        Ok(())
     }
-}
 
-/// What one thread does: two chunks at once as long as there are.
-fn work<'a, L: Lane<'a>>(queue: &Queue<'a>) -> Result<(), Incomplete> {
-    loop {
-        let [first, second] = queue.first::<L>()?;
-        let Some(mut begun) = first else {
-            return Ok(());
-        };
-        if let Some(second) = second {
-            begun = pairs(queue, begun, second)?;
-        }
-        let (lane, records) = begun;
-        let mut single = [lane];
-        for record in records {
-            L::next(&mut single, [record]);
-        }
-        let [lane] = &single;
-        if !lane.is_whole() {
-            return Err(Incomplete);
-        }
+    /// Goes on with what another thread has begun.
+    pub(super) fn push(&mut self, (lane, progress): (L, Progress<T::Piece>)) {
+        self.lanes.push(lane);
+        self.progress.push(progress);
     }
-}
 
-/// Two chunks at once, and the next in place of one that ends, until there is no next; what is left of the other.
-fn pairs<'a, L: Lane<'a>>(
-    queue: &Queue<'a>,
-    (lane, mut records): Begun<'a, L>,
-    (other, mut other_records): Begun<'a, L>,
-) -> Result<Begun<'a, L>, Incomplete> {
-    let mut lanes = [lane, other];
-    loop {
-        both(&mut lanes, &mut records, &mut other_records);
-        let ended = usize::from(records.len() > 0);
-        if !lanes[ended].is_whole() {
-            return Err(Incomplete);
-        }
-        let next = queue.next::<L>()?;
-        let [lane, other] = &mut lanes;
-        match (next, ended) {
-            (Some((next, next_records)), 0) => (*lane, records) = (next, next_records),
-            (Some((next, next_records)), _) => (*other, other_records) = (next, next_records),
-            (None, 0) => {
-                let [_, other] = lanes;
-                return Ok((other, other_records));
+    /// Leaves one to another thread.
+    pub(super) fn pop(&mut self) -> Option<(L, Progress<T::Piece>)> {
+        self.lanes.pop().zip(self.progress.pop())
+    }
+
+    /// Goes on by a run of records, and calls `end` with each chunk that ends with it, and whether all of it was there.
+    pub(super) fn run(&mut self, mut end: impl FnMut(Progress<T::Piece>, bool)) {
+        let stride = self.layout.stride();
+        let left = self.progress.iter().map(|lane| lane.count - lane.taken);
+        let count = left.min().unwrap_or_default().min(RUN);
+        let [first, second] = &mut self.records;
+        let (first, second) = (&mut first[..count * stride], &mut second[..count * stride]);
+        match &mut self.lanes[..] {
+            [] => {}
+            [lane] => one(std::array::from_mut(lane), first, stride),
+            lanes => {
+                if let Ok(lanes) = lanes.try_into() {
+                    both(lanes, first, second, stride);
+                }
             }
-            (None, _) => {
-                let [lane, _] = lanes;
-                return Ok((lane, records));
+        }
+        for (lane, records) in self.progress.iter_mut().zip([first, second]) {
+            self.taker.add(&mut lane.piece, lane.taken, records);
+            lane.taken += count;
+        }
+        for index in (0..self.lanes.len()).rev() {
+            if self.progress[index].taken == self.progress[index].count {
+                let lane = self.lanes.swap_remove(index);
+                end(self.progress.swap_remove(index), lane.is_whole());
             }
         }
     }
 }
 
-/// Goes on with two chunks until one of them ends.
 #[inline(never)]
-fn both<'a, L: Lane<'a>>(
-    lanes: &mut [L; 2],
-    first: &mut ChunksExactMut<'a, u8>,
-    second: &mut ChunksExactMut<'a, u8>,
-) {
-    let count = first.len().min(second.len());
-    for (first, second) in first.take(count).zip(second.take(count)) {
+fn one<'a, L: Lane<'a>>(lane: &mut [L; 1], records: &mut [u8], stride: usize) {
+    for record in records.chunks_exact_mut(stride) {
+        L::next(lane, [record]);
+    }
+}
+
+#[inline(never)]
+fn both<'a, L: Lane<'a>>(lanes: &mut [L; 2], first: &mut [u8], second: &mut [u8], stride: usize) {
+    let records = first.chunks_exact_mut(stride);
+    for (first, second) in records.zip(second.chunks_exact_mut(stride)) {
         L::next(lanes, [first, second]);
     }
 }

@@ -7,7 +7,7 @@
 //! fill the waits of the other, as long as no branch depends on what is read ([`decoder`], [`model`]).
 //!
 //! * [`table`]: the chunks of a file; [`layout`]: which files, the others are left to the crate `laz`
-//! * [`lanes`]: chunks to threads, two at once on each
+//! * [`sharing`]: chunks to threads, and what comes of them in order; [`lanes`]: two at once on each thread
 //! * [`chunked`]: one stream of all fields, of [`point10`], [`gps_time`] and [`colour`]
 //! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`] and [`infrared`] ([`by_channel`])
 //! * [`integer`], [`median`]: numbers and what foretells them
@@ -34,8 +34,11 @@ mod median;
 mod model;
 mod point10;
 mod point14;
+mod sharing;
 mod table;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use lanes::Taker;
+pub(crate) use sharing::{Ended, Limits};
 pub(crate) use table::Chunks;

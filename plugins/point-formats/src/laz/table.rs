@@ -1,31 +1,32 @@
-//! The chunks of a file, run by run.
+//! The chunks of a file.
 
 use std::io::{Cursor, Seek as _};
 
 use ::laz::LazVlr;
-use ::laz::laszip::{ChunkTable, ChunkTableEntry};
+use ::laz::laszip::ChunkTable;
 
-use super::lanes::{Chunk, Incomplete, decompress};
+use super::lanes::{Chunk, Incomplete, Taker};
 use super::layout::Layout;
-use crate::large_memory::LargeMemory;
+use super::sharing::{Ended, Limits, decompress};
 
-/// The chunks of a file that have not been decompressed yet.
+/// The chunks of a file that hold its points.
 pub(crate) struct Chunks<'a> {
     layout: Layout,
-    /// The file from the next chunk on.
-    rest: &'a [u8],
-    entries: std::vec::IntoIter<ChunkTableEntry>,
+    chunks: Vec<Chunk<'a>>,
+    /// Whether they hold as many points as they should.
+    are_all: bool,
 }
 
 impl<'a> Chunks<'a> {
-    /// The chunks of a file, of which the points begin at byte `start`; `None` where they are left to the crate `laz`, as those
-    /// of which one has more than `most_bytes` of records are.
+    /// The chunks of a file of so many points, which begin at byte `start`; `None` where they are left to the crate `laz`, as
+    /// those of which one has more than `most_bytes` of records are.
     ///
     /// # Errors
     /// The table of chunks cannot be read.
     pub(crate) fn new(
         file: &'a [u8],
         start: u64,
+        points: u64,
         description: &LazVlr,
         most_bytes: u64,
     ) -> ::laz::Result<Option<Self>> {
@@ -40,49 +41,46 @@ impl<'a> Chunks<'a> {
             return Ok(None);
         }
         let at = usize::try_from(source.stream_position()?).unwrap_or(usize::MAX);
+        let mut rest = file.get(at..).unwrap_or_default();
+        let (mut chunks, mut left) = (Vec::new(), points);
+        for entry in table.as_ref() {
+            // The last one of a file of equal chunks claims as many points as the others.
+            let count = entry.point_count.min(left);
+            let input = usize::try_from(entry.byte_count)
+                .ok()
+                .and_then(|bytes| rest.split_at_checked(bytes));
+            let Some((input, behind)) = input else {
+                break;
+            };
+            rest = behind;
+            left -= count;
+            if count > 0 {
+                let count = count as usize;
+                chunks.push(Chunk { input, count });
+            }
+        }
         Ok(Some(Self {
             layout,
-            rest: file.get(at..).unwrap_or_default(),
-            entries: table.as_ref().to_vec().into_iter(),
+            chunks,
+            are_all: left == 0,
         }))
     }
 
-    /// Decompresses whole chunks of about `points` points, but not of more than `left`, in place of what `records` holds, while
-    /// so many threads have time; returns their number, 0 only if none is left.
+    /// Decompresses them; see [`decompress`].
     ///
     /// # Errors
-    /// [`Incomplete`]: the file ends before its points do, or is damaged.
-    pub(crate) fn next(
-        &mut self,
-        records: &mut LargeMemory,
-        points: u64,
-        left: u64,
-        threads: usize,
-    ) -> Result<u64, Incomplete> {
-        let (mut inputs, mut count) = (Vec::new(), 0);
-        while count < left {
-            let ahead = self.entries.as_slice().first().ok_or(Incomplete)?;
-            let of_chunk = ahead.point_count.min(left - count);
-            if count > 0 && count + of_chunk > points {
-                break;
-            }
-            let bytes = usize::try_from(ahead.byte_count).map_err(|_| Incomplete)?;
-            let (input, rest) = self.rest.split_at_checked(bytes).ok_or(Incomplete)?;
-            (self.rest, count) = (rest, count + of_chunk);
-            self.entries.next();
-            if of_chunk > 0 {
-                inputs.push((input, of_chunk as usize * self.layout.stride()));
-            }
+    /// [`Ended`]; all chunks before the one at fault have been fetched.
+    pub(crate) fn decompress<T: Taker, E>(
+        self,
+        limits: Limits,
+        taker: &T,
+        fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
+    ) -> Result<(), Ended<E>> {
+        decompress(self.layout, self.chunks, limits, taker, fetch)?;
+        if self.are_all {
+            Ok(())
+        } else {
+            Err(Ended::Damaged(Incomplete))
         }
-        records.set_length(count as usize * self.layout.stride());
-        let mut outputs = &mut **records;
-        let mut chunks = Vec::with_capacity(inputs.len());
-        for (input, bytes) in inputs {
-            let (output, rest) = outputs.split_at_mut(bytes);
-            outputs = rest;
-            chunks.push(Chunk { input, output });
-        }
-        decompress(self.layout, chunks, threads)?;
-        Ok(count)
     }
 }
