@@ -25,8 +25,8 @@ pub(crate) const NAMES: [&str; 9] = [
     "near_infrared",
 ];
 
-/// How colours are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How colours are kept; the later ones fit larger components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Colours {
     /// All are black.
     None,

@@ -1,8 +1,8 @@
 //! Columns of decompressed records, chunk by chunk, and how they go to the host.
 //!
-//! Whether colours are bytes or words of 16 bits no header says, only the largest of all. So they are kept as words until they
-//! are handed over; by the first chunk that has a colour at all they are taken for bytes or words. Should a later one show that
-//! the bytes were dark words, the file is read again.
+//! Whether colours are bytes or words of 16 bits, or all black, no header says, only the largest component of all. So they are
+//! kept as words until they are handed over, and the first chunk tells for all how: should a later one show that it was too dark
+//! for that, the file is read again. By a host that cannot begin again chunks wait until it is known.
 
 use pointstage_plugin_api::loading::Output;
 use pointstage_plugin_api::{Error, Progress, Result};
@@ -59,8 +59,8 @@ impl Taker for Plan<'_> {
 /// Why no more pieces are taken.
 #[derive(Debug)]
 pub(crate) enum Stop {
-    /// What was taken for bytes were dark words.
-    ColoursAreWords,
+    /// Colours were taken for darker ones; they are at least this.
+    ColoursAre(Colours),
     Failed(Error),
 }
 
@@ -133,18 +133,17 @@ impl<'a, 'o> HandedOver<'a, 'o> {
     /// [`Stop`].
     pub(crate) fn take(&mut self, piece: Piece) -> Result<Option<Piece>, Stop> {
         self.progress.check()?;
-        let largest = piece.largest_colour;
-        if self.colours.is_none() {
-            let is_known = largest > 255 || largest > 0 && self.may_begin_again;
-            if !is_known {
+        let found = Colours::of(piece.largest_colour);
+        match self.colours {
+            Some(colours) if colours < found => return Err(Stop::ColoursAre(found)),
+            Some(_) => {}
+            None if found == Colours::Words || self.may_begin_again => self.begin(found)?,
+            None => {
                 self.held.push(piece);
                 self.progress
                     .set(self.taken() as f32 / self.expected as f32, READING);
                 return Ok(None);
             }
-            self.begin(Colours::of(largest))?;
-        } else if self.colours == Some(Colours::Bytes) && largest > 255 {
-            return Err(Stop::ColoursAreWords);
         }
         self.hand_over(&piece)?;
         Ok(Some(piece))
@@ -155,15 +154,14 @@ impl<'a, 'o> HandedOver<'a, 'o> {
     /// # Errors
     /// The host's.
     pub(crate) fn finish(mut self) -> Result<()> {
-        if self.colours.is_some() {
-            return Ok(());
+        if self.colours.is_none() {
+            let largest = self.held.iter().map(|piece| piece.largest_colour).max();
+            self.begin(Colours::of(largest.unwrap_or_default()))?;
         }
-        let largest = self.held.iter().map(|piece| piece.largest_colour).max();
-        let colours = Colours::of(largest.unwrap_or_default());
-        if colours == Colours::None {
+        if self.plan.colour().is_some() && self.colours == Some(Colours::None) {
             warn_of_black(self.out);
         }
-        self.begin(colours)
+        Ok(())
     }
 
     /// Declares the columns, now that it is known how colours are kept, and hands over what waited for that.

@@ -47,66 +47,75 @@ impl Loader for LasLoader {
                 "the file has 0 points; there is nothing to show",
             ));
         }
-        match attempt(file.bytes, source.position(), &header, None, out, progress) {
-            Err(Stop::ColoursAreWords) => {
-                let colours = Some(Colours::Words);
-                attempt(
-                    file.bytes,
-                    source.position(),
-                    &header,
-                    colours,
-                    out,
-                    progress,
-                )
+        let points = Points {
+            file: file.bytes,
+            start: source.position(),
+            header,
+        };
+        match points.read(None, true, out, progress) {
+            Err(Stop::ColoursAre(colours)) => {
+                // Of words nothing larger can come; otherwise it is not told before it is known.
+                let colours = (colours == Colours::Words).then_some(colours);
+                points.read(colours, false, out, progress)
             }
             ended => ended,
         }
         .map_err(|stop| match stop {
             Stop::Failed(error) => error,
-            // None is told that already knows.
-            Stop::ColoursAreWords => Error::failed("colours are words, and are not"),
+            Stop::ColoursAre(_) => Error::failed(
+                "its colours changed while it was read; open it again when nobody writes it",
+            ),
         })
     }
 }
 
-/// Reads all points, which begin at byte `start`. How colours are kept is told or found out.
-fn attempt(
-    file: &[u8],
+/// The points of a file, of which the records begin at byte `start`.
+struct Points<'a> {
+    file: &'a [u8],
     start: u64,
-    header: &Header,
-    colours: Option<Colours>,
-    out: &mut Output<'_>,
-    progress: &Progress<'_>,
-) -> Result<(), Stop> {
-    let records = Records::new(file, start, header)?;
-    // Nothing has been handed over, or what was is forgotten; the host tells whether it could forget again.
-    let may_begin_again = out.begin_again()?;
-    let extras = extras_of(header, out);
-    let (scale, offset) = scale_of(header);
-    let knows_scale = out.scaled_positions(scale, offset)?;
-    match records {
-        Records::Plain(bytes) => {
-            let layout = Layout::of(header);
-            let colours = Colours::of(layout.largest_colour(bytes));
-            if layout.colour.is_some() && colours == Colours::None {
-                warn_of_black(out);
+    header: Header,
+}
+
+impl Points<'_> {
+    /// Reads all. How colours are kept is told, or guessed from the first, or found out from all.
+    fn read(
+        &self,
+        colours: Option<Colours>,
+        may_guess: bool,
+        out: &mut Output<'_>,
+        progress: &Progress<'_>,
+    ) -> Result<(), Stop> {
+        let header = &self.header;
+        let records = Records::new(self.file, self.start, header)?;
+        // Nothing has been handed over, or what was is forgotten; the host tells whether it could forget again.
+        let may_guess = out.begin_again()? && may_guess;
+        let extras = extras_of(header, out);
+        let (scale, offset) = scale_of(header);
+        let knows_scale = out.scaled_positions(scale, offset)?;
+        match records {
+            Records::Plain(bytes) => {
+                let layout = Layout::of(header);
+                let colours = Colours::of(layout.largest_colour(bytes));
+                if layout.colour.is_some() && colours == Colours::None {
+                    warn_of_black(out);
+                }
+                let plan = Plan::new(header, knows_scale, Some(colours), &extras);
+                hand_over(bytes, &plan, out, progress)?;
             }
-            let plan = Plan::new(header, knows_scale, Some(colours), &extras);
-            hand_over(bytes, &plan, out, progress)?;
+            Records::Packed(packed) => {
+                let plan = Plan::new(header, knows_scale, None, &extras);
+                let expected = header.number_of_points();
+                let mut handed =
+                    HandedOver::new(&plan, colours, may_guess, expected, out, progress)?;
+                packed.hand_over(&plan, &mut handed)?;
+                handed.finish()?;
+            }
         }
-        Records::Packed(packed) => {
-            let plan = Plan::new(header, knows_scale, None, &extras);
-            let expected = header.number_of_points();
-            let mut handed =
-                HandedOver::new(&plan, colours, may_begin_again, expected, out, progress)?;
-            packed.hand_over(&plan, &mut handed)?;
-            handed.finish()?;
+        for extra in &extras {
+            extra.warn_of_rounded(out);
         }
+        Ok(())
     }
-    for extra in &extras {
-        extra.warn_of_rounded(out);
-    }
-    Ok(())
 }
 
 /// Takes records apart that lie in the file, and hands them over.

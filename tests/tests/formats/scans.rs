@@ -153,6 +153,87 @@ fn a_whole_number_that_no_double_holds_is_a_warning() -> Result<()> {
     Ok(())
 }
 
+/// Colours by the number of a point.
+type ColourOf = fn(u32) -> u16;
+
+/// What a file's colours are is known from all of them only, and by then most have been handed over.
+#[test]
+fn colours_of_compressed_points_are_those_of_plain_ones_however_late_they_are_known() -> Result<()>
+{
+    /// Three chunks, the last of which is short.
+    const COUNT: u32 = 110_000;
+    let folder = tempfile::tempdir()?;
+    let loaders = first_party()?;
+    let cases: [(&str, ColourOf, Option<[u8; 3]>); 6] = [
+        ("black", |_| 0, None),
+        ("bytes", |_| 200, Some([200, 0, 0])),
+        (
+            "black, then bytes",
+            |index| u16::from(index > 60_000) * 200,
+            Some([200, 0, 0]),
+        ),
+        (
+            "black, then words",
+            |index| u16::from(index > 60_000) * 51_400,
+            Some([200, 0, 0]),
+        ),
+        (
+            "dark words, then light ones",
+            |index| if index > 60_000 { 51_400 } else { 200 },
+            Some([200, 0, 0]),
+        ),
+        (
+            "black, then dark words, then light ones",
+            |index| [0, 200, 51_400][index as usize / 50_000],
+            Some([200, 0, 0]),
+        ),
+    ];
+    for (what, colour, last) in cases {
+        let mut both = Vec::new();
+        for is_compressed in [false, true] {
+            let path = folder.path().join("colours.las");
+            let mut builder = Builder::from((1, 2));
+            builder.point_format = Format::new(2)?;
+            builder.point_format.is_compressed = is_compressed;
+            let mut writer = Writer::from_path(&path, builder.into_header()?)?;
+            for index in 0..COUNT {
+                writer.write_point(Point {
+                    x: f64::from(index),
+                    color: Some(Color::new(colour(index), 0, 0)),
+                    ..Point::default()
+                })?;
+            }
+            writer.close()?;
+            let loaded = load_as_it_is(&loaders, &path)?;
+            assert_eq!(
+                loaded.object.geometry.surfel_count, COUNT as usize,
+                "{what}"
+            );
+            assert_eq!(
+                at(&loaded, COUNT as usize - 1),
+                [f64::from(COUNT) - 1.0, 0.0, 0.0],
+                "{what}"
+            );
+            let colours = colours(&loaded);
+            assert_eq!(colours.last().copied(), last, "{what}");
+            both.push((colours, lines(&loaded.warnings)));
+        }
+        assert!(
+            both[0] == both[1],
+            "{what}: {} and {}",
+            both[0].1,
+            both[1].1
+        );
+        assert_eq!(
+            last.is_none(),
+            both[0].1.contains("black"),
+            "{what}: {}",
+            both[0].1
+        );
+    }
+    Ok(())
+}
+
 fn check_las(loaded: &Loaded, format: Format, what: &str) {
     const POINT: usize = 777;
     let index = POINT as f64;

@@ -178,6 +178,34 @@ fn whole_numbers_stand_for_positions() {
 }
 
 #[test]
+fn a_loader_that_begins_again_leaves_nothing_of_before() {
+    let job = Job::new();
+    let sink = Sink::new(&job, 1 << 20);
+    let border = sink.border();
+    border.begin_again().unwrap();
+    border.scaled_positions(&CENTIMETRES).unwrap();
+    let numbers = LoadColumnRecord {
+        scalar: BorderScalar::I32,
+        ..POSITION
+    };
+    border.columns([numbers][..].into(), 2).unwrap();
+    border.rows(&rows(1, &[[7; 12][..].into()])).unwrap();
+    border.warn("a strange record".into(), 2);
+    border.columns([numbers][..].into(), 2).unwrap_err();
+    border.begin_again().unwrap();
+    border.columns([POSITION][..].into(), 2).unwrap();
+    border.rows(&rows(2, &[[0; 24][..].into()])).unwrap();
+    drop(border);
+    let options = LoadOptions {
+        estimation: Estimation::FileOnly,
+        ..LoadOptions::default()
+    };
+    let contents = sink.into_builder().unwrap().finish(&options, &job).unwrap();
+    assert_eq!(contents.geometry.surfel_count, 2);
+    assert!(contents.geometry.bounds.size() == glam::DVec3::ZERO && contents.warnings.is_empty());
+}
+
+#[test]
 fn a_cancelled_load_answers_so_at_every_call() {
     let job = Job::new();
     let sink = Sink::new(&job, 1 << 20);

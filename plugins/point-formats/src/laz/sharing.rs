@@ -124,8 +124,9 @@ struct State<'a, L, P> {
 impl<'a, L, P: Default> State<'a, L, P> {
     /// The next chunk, if there is one and it may begin.
     fn begin(&mut self, most_ahead: usize) -> Option<(usize, Chunk<'a>, P)> {
-        let may_begin =
-            |(_, next): &mut (usize, Chunk<'_>)| self.ahead == 0 || self.ahead + next.count <= most_ahead;
+        let may_begin = |(_, next): &mut (usize, Chunk<'_>)| {
+            self.ahead == 0 || self.ahead + next.count <= most_ahead
+        };
         let (number, chunk) = self.waiting.pop_front_if(may_begin)?;
         self.ahead += chunk.count;
         self.lanes += 1;

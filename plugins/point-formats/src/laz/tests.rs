@@ -4,10 +4,10 @@ use std::io::Cursor;
 
 use ::laz::{LasZipCompressor, LazItem, LazItemRecordBuilder, LazItemType, LazVlr, LazVlrBuilder};
 
-use super::lanes::{Chunk, Incomplete, decompress};
+use super::lanes::{Chunk, Incomplete, Taker};
 use super::layout::Layout;
+use super::sharing::{Ended, Limits, decompress};
 use super::table::Chunks;
-use crate::large_memory::LargeMemory;
 
 /// Random numbers (xorshift, Marsaglia 2003).
 struct Random(u64);
@@ -144,22 +144,61 @@ fn compressed(items: &[LazItem], records: &[u8], sizes: &[u32]) -> (Vec<u8>, Laz
     (out.into_inner(), description)
 }
 
-/// All records of a file, in runs of about so many points, as if there were so many threads: the fewer, the more chunks go in pairs.
+/// Takes records as they are.
+struct Plain {
+    stride: usize,
+}
+
+impl Taker for Plain {
+    type Piece = Vec<u8>;
+
+    fn begin(&self, piece: &mut Vec<u8>, count: usize) {
+        piece.clear();
+        piece.reserve(count * self.stride);
+    }
+
+    fn add(&self, piece: &mut Vec<u8>, first: usize, records: &[u8]) {
+        assert_eq!(piece.len(), first * self.stride);
+        piece.extend_from_slice(records);
+    }
+}
+
+/// All records of a file.
 fn read(
     file: &[u8],
     description: &LazVlr,
     count: u64,
-    run: u64,
-    threads: usize,
+    limits: Limits,
 ) -> Result<Vec<u8>, Incomplete> {
-    let mut chunks = Chunks::new(file, 0, description, 1 << 24).unwrap().unwrap();
-    let (mut all, mut records, mut left) = (Vec::new(), LargeMemory::default(), count);
-    while left > 0 {
-        left -= chunks.next(&mut records, run, left, threads)?;
-        all.extend_from_slice(&records);
+    let stride = description.items_size() as usize;
+    let chunks = Chunks::new(file, 0, count, description, 1 << 24);
+    let mut all = Vec::new();
+    let fetch = |piece: Vec<u8>| {
+        all.extend_from_slice(&piece);
+        Ok::<_, Never>(Some(piece))
+    };
+    let ended = chunks
+        .unwrap()
+        .unwrap()
+        .decompress(limits, &Plain { stride }, fetch);
+    ended.map(|()| all).map_err(incomplete)
+}
+
+/// What no test stops with.
+#[derive(Debug)]
+enum Never {}
+
+fn incomplete(ended: Ended<Never>) -> Incomplete {
+    match ended {
+        Ended::Damaged(incomplete) => incomplete,
+        Ended::NoThread(error) => panic!("{error}"),
+        Ended::By(never) => match never {},
     }
-    assert_eq!(chunks.next(&mut records, run, 0, threads), Ok(0));
-    Ok(all)
+}
+
+/// So many threads, and so many points ahead.
+fn limits(threads: usize, points: usize) -> Limits {
+    Limits { threads, points }
 }
 
 #[test]
@@ -176,10 +215,11 @@ fn what_was_compressed_comes_out() {
             ] {
                 let wanted = records(kind, &items, count, &mut random);
                 let (file, description) = compressed(&items, &wanted, sizes);
-                for (run, threads) in [(1, 1), (1 << 20, 1), (1 << 20, 16)] {
-                    let found = read(&file, &description, count as u64, run, threads);
+                // One after the other, in pairs, and by many threads of which some find nothing.
+                for limits in [limits(1, 1), limits(1, 1 << 20), limits(5, 600)] {
+                    let found = read(&file, &description, count as u64, limits);
                     let same = found.as_ref() == Ok(&wanted);
-                    assert!(same, "{items:?} {kind:?} {count} {sizes:?} {run} {threads}");
+                    assert!(same, "{items:?} {kind:?} {count} {sizes:?} {limits:?}");
                 }
             }
         }
@@ -193,7 +233,7 @@ fn long_chunks_come_out() {
     for items in layouts().into_iter().filter(|items| stride(items) < 40) {
         let wanted = records(Kind::Walk, &items, 30_000, &mut random);
         let (file, description) = compressed(&items, &wanted, &[15_000]);
-        let found = read(&file, &description, 30_000, 1 << 20, 1);
+        let found = read(&file, &description, 30_000, limits(1, 1 << 20));
         assert!(found == Ok(wanted), "{items:?}");
     }
 }
@@ -210,12 +250,14 @@ fn damage_is_found_or_survived() {
         let bytes = table.as_ref()[0].byte_count as usize;
         let whole = &file[8..8 + bytes];
         let decompressed = |input: &[u8], count: usize| {
-            let mut output = vec![0; count * stride];
-            let chunk = Chunk {
-                input,
-                output: &mut output,
+            let mut output = Vec::new();
+            let fetch = |piece| {
+                output = piece;
+                Ok::<_, Never>(None)
             };
-            decompress(layout, vec![chunk], 1).map(|()| output)
+            let chunks = vec![Chunk { input, count }];
+            let ended = decompress(layout, chunks, limits(1, 1), &Plain { stride }, fetch);
+            ended.map(|()| output).map_err(incomplete)
         };
         assert!(decompressed(whole, 400) == Ok(wanted), "{items:?}");
         for end in (0..bytes - 16).step_by(7) {
@@ -243,7 +285,50 @@ fn a_file_without_all_of_its_chunks_is_incomplete() {
     let items = items(&[LazItemType::Point10]);
     let wanted = records(Kind::Scan, &items, 900, &mut Random(5));
     let (file, description) = compressed(&items, &wanted, &[400]);
-    assert_eq!(read(&file, &description, 1300, 1000, 1), Err(Incomplete));
+    assert_eq!(
+        read(&file, &description, 1300, limits(2, 1000)),
+        Err(Incomplete)
+    );
+}
+
+/// Whoever fetches may stop, or panic, and so may what takes records: no thread waits for ever.
+#[test]
+fn it_ends_early_when_it_must() {
+    let items = items(&[LazItemType::Point10]);
+    let wanted = records(Kind::Walk, &items, 9000, &mut Random(5));
+    let (file, description) = compressed(&items, &wanted, &[100]);
+    let chunks = || {
+        Chunks::new(&file, 0, 9000, &description, 1 << 24)
+            .unwrap()
+            .unwrap()
+    };
+    for threads in [1, 4] {
+        let limits = limits(threads, 1000);
+        let mut fetched = 0;
+        let ended = chunks().decompress(limits, &Plain { stride: 20 }, |piece| {
+            fetched += 1;
+            if fetched == 7 {
+                Err("enough")
+            } else {
+                Ok(Some(piece))
+            }
+        });
+        assert!(matches!(ended, Err(Ended::By("enough"))), "{ended:?}");
+        let panicking = || {
+            let fetch = |piece: Vec<u8>| {
+                assert!(piece.is_empty(), "a test of panics");
+                Ok::<_, Never>(None)
+            };
+            chunks().decompress(limits, &Plain { stride: 20 }, fetch)
+        };
+        assert!(std::panic::catch_unwind(panicking).is_err());
+        // It takes records of another length than they have.
+        let panicking = || {
+            let fetch = |piece| Ok::<_, Never>(Some(piece));
+            chunks().decompress(limits, &Plain { stride: 21 }, fetch)
+        };
+        assert!(std::panic::catch_unwind(panicking).is_err());
+    }
 }
 
 #[test]
@@ -264,12 +349,12 @@ fn other_items_and_long_chunks_are_left_to_the_crate() {
         &[400],
     );
     assert!(
-        Chunks::new(&file, 0, &description, 400 * 20)
+        Chunks::new(&file, 0, 10, &description, 400 * 20)
             .unwrap()
             .is_some()
     );
     assert!(
-        Chunks::new(&file, 0, &description, 399 * 20)
+        Chunks::new(&file, 0, 10, &description, 399 * 20)
             .unwrap()
             .is_none()
     );
