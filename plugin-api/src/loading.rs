@@ -331,7 +331,7 @@ impl<'a> Output<'a> {
     }
 
     /// Forgets all that was handed over, warnings included, so that a loader which finds late that it took the file wrong can begin
-    /// again, with other columns if need be. `false` by a host that keeps what it was given (before 1.3): ask before the columns
+    /// again, with other columns if need be. `false` by a host that keeps what it was given (before 1.2): ask before the columns
     /// whether that is so.
     ///
     /// # Errors

@@ -131,7 +131,7 @@ pub trait LoadSinkObject: Send + Sync {
     fn scaled_positions(&self, _scale: &LoadScaleRecord) -> RResult<(), ErrorRecord> {
         unsupported("this host takes positions as they are")
     }
-    /// Forgets all that was handed over, warnings included: the loader begins again. Since 1.3.
+    /// Forgets all that was handed over, warnings included: the loader begins again. Since 1.2.
     fn begin_again(&self) -> RResult<(), ErrorRecord> {
         unsupported("this host keeps what it was given")
     }
