@@ -169,13 +169,8 @@ impl LoadSinkObject for Sink<'_> {
                     .scale_positions(scale)
                     .map_err(|error| error.to_string())?;
             }
-            let width: usize = state.widths.iter().sum();
-            let most = self
-                .file_bytes
-                .saturating_mul(2)
-                .saturating_add(MOST_RESERVED_BYTES)
-                / width.max(1) as u64;
-            builder.reserve(expected.min(most));
+            let most_bytes = self.file_bytes.saturating_mul(2);
+            builder.reserve(expected, most_bytes.saturating_add(MOST_RESERVED_BYTES));
             state.builder = Some(builder);
             Ok(())
         })

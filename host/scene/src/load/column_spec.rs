@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::assemble::{ByteOrder, Field, PositionScale, Roles, Table, TableColumn};
+use super::assemble::{ByteOrder, Field, NumberBox, PositionScale, Roles, Table, TableColumn};
 use crate::geometry::ScalarType;
 
 /// What a column means.
@@ -115,7 +115,7 @@ pub(super) fn roles_of<'a>(
         z: has_z.then(|| coordinate(2)),
         bounds: scale
             .filter(|_| has_z)
-            .and_then(|scale| scale.bounds(&position.bytes)),
+            .and_then(|scale| scale.bounds(&NumberBox::of_many(position.bytes.as_chunks().0))),
         normal: table(ColumnRole::Normal).map(fields),
         colour: colour.map(fields),
         alpha: colour

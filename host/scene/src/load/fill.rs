@@ -14,7 +14,7 @@ use crate::job::{Cancelled, Job};
 pub(super) const PIECE_SURFELS: usize = 512;
 
 /// Surfels between two looks at the cancel flag, and done by one thread at a time.
-const TASK_SURFELS: usize = 32 * PIECE_SURFELS;
+pub(super) const TASK_SURFELS: usize = 32 * PIECE_SURFELS;
 
 /// The blocks of a column.
 pub(super) type Column<T> = Vec<Arc<[T]>>;

@@ -2,7 +2,7 @@
 
 use bytes::{Bytes, BytesMut};
 
-use super::memory::room;
+use super::memory::{append, room};
 use pointstage_plugin_api::columns::MAX_BLOCK_SURFELS;
 
 /// The values of one column.
@@ -14,9 +14,6 @@ pub(super) struct Gathered {
     part_bytes: usize,
     parts: Vec<BytesMut>,
 }
-
-/// What goes behind what.
-pub(super) type Copies<'a> = Vec<(&'a mut BytesMut, &'a [u8])>;
 
 impl Gathered {
     /// All values lie together.
@@ -61,8 +58,8 @@ impl Gathered {
         }
     }
 
-    /// Notes where the values of some surfels, whole ones, are to be copied; [`append`](super::memory::append) does it.
-    pub(super) fn add<'a>(&'a mut self, mut values: &'a [u8], copies: &mut Copies<'a>) {
+    /// Adds the values of some surfels, whole ones.
+    pub(super) fn add(&mut self, mut values: &[u8]) {
         let part_bytes = self.part_bytes;
         let free = |part: &BytesMut| part_bytes - part.len();
         let room = self.parts.iter().map(free).fold(0, usize::saturating_add);
@@ -73,7 +70,7 @@ impl Gathered {
             let (now, later) = values.split_at(values.len().min(free(part)));
             values = later;
             if !now.is_empty() {
-                copies.push((part, now));
+                append(part, now);
             }
         }
     }
@@ -95,15 +92,12 @@ impl Gathered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load::memory::append;
 
     /// Values of `surfels` surfels, handed over in runs of `run`.
     fn gather(mut gathered: Gathered, width: usize, surfels: usize, run: usize) -> Vec<Bytes> {
         let all = values(width * surfels);
         for values in all.chunks(run * width) {
-            let mut copies = Vec::new();
-            gathered.add(values, &mut copies);
-            append(copies);
+            gathered.add(values);
         }
         gathered.into_parts().collect()
     }

@@ -11,6 +11,9 @@ use bytemuck::Zeroable;
 use bytes::{Bytes, BytesMut};
 use rayon::prelude::*;
 
+/// Bytes that are worth more threads than one.
+pub(crate) const MANY_BYTES: usize = 1 << 19;
+
 /// A slice of zeros that nobody else has yet.
 pub(crate) fn zeroed_slice<T: Zeroable + Send + Sync>(length: usize) -> Arc<[T]> {
     const PART: usize = 1 << 16;
@@ -37,9 +40,8 @@ where
     S: Default + Send,
     E: Send,
 {
-    let mut slice = Arc::<[T]>::new_uninit_slice(length);
+    let mut slice = uninit_slice(length);
     let slots = Arc::get_mut(&mut slice).expect("just made, nobody else has it");
-    prefer_large_pages(slots);
     let summary = fill_uninit(slots, part, fill, merge)?;
     #[allow(unsafe_code, reason = "there is no safe way to fill memory in parts")]
     // SAFETY: `fill_uninit` has written every value, or it would have returned an error.
@@ -70,6 +72,15 @@ where
         bytes.set_len(length);
     }
     Ok((bytes.freeze(), summary))
+}
+
+/// A slice of which nothing has been touched, and that nobody else has yet.
+pub(crate) fn uninit_slice<T>(length: usize) -> Arc<[MaybeUninit<T>]> {
+    let mut slice = Arc::new_uninit_slice(length);
+    if let Some(slots) = Arc::get_mut(&mut slice) {
+        prefer_large_pages(slots);
+    }
+    slice
 }
 
 /// Zeros each part and gives it to `fill`; every value has been written when it returns without an error.
@@ -104,37 +115,27 @@ pub(crate) fn room(capacity: usize) -> BytesMut {
     bytes
 }
 
-/// Copies slices, each to the room behind the bytes that are there, on all cores. What does not fit there makes them move.
-pub(crate) fn append(copies: Vec<(&mut BytesMut, &[u8])>) {
+/// Copies a slice to the room behind the bytes that are there, on all cores if it is long. What does not fit there makes them
+/// move.
+pub(crate) fn append(to: &mut BytesMut, from: &[u8]) {
     /// Bytes copied by one thread at a time.
     const SEGMENT: usize = 1 << 17;
-    /// Bytes that are worth more threads than one.
-    const MANY: usize = 1 << 19;
-    let bytes: usize = copies.iter().map(|(_, from)| from.len()).sum();
-    if bytes < MANY {
-        for (to, from) in copies {
-            to.extend_from_slice(from);
-        }
+    let length = to.len() + from.len();
+    if from.len() < MANY_BYTES || to.capacity() < length {
+        to.extend_from_slice(from);
         return;
     }
-    copies.into_par_iter().for_each(|(to, from)| {
-        let length = to.len() + from.len();
-        if to.capacity() < length {
-            to.extend_from_slice(from);
-            return;
-        }
-        let slots = &mut to.spare_capacity_mut()[..from.len()];
-        let segments = slots.par_chunks_mut(SEGMENT).zip(from.par_chunks(SEGMENT));
-        segments.for_each(|(to, from)| {
-            to.write_copy_of_slice(from);
-        });
-        #[allow(unsafe_code, reason = "there is no safe way to fill memory in parts")]
-        // SAFETY: the capacity is at least `length`, and the segments, of two slices of one length, have written all bytes
-        // from the old length to it.
-        unsafe {
-            to.set_len(length);
-        }
+    let slots = &mut to.spare_capacity_mut()[..from.len()];
+    let segments = slots.par_chunks_mut(SEGMENT).zip(from.par_chunks(SEGMENT));
+    segments.for_each(|(to, from)| {
+        to.write_copy_of_slice(from);
     });
+    #[allow(unsafe_code, reason = "there is no safe way to fill memory in parts")]
+    // SAFETY: the capacity is at least `length`, and the segments, of two slices of one length, have written all bytes from
+    // the old length to it.
+    unsafe {
+        to.set_len(length);
+    }
 }
 
 /// Asks the system to back memory that has not been touched yet by large pages.

@@ -5,6 +5,7 @@
 //! format here, write a [`Loader`] and enter it in `loaders`; a stranger's comes as a plugin.
 
 mod assemble;
+mod block_slots;
 mod choice;
 mod column_spec;
 mod columns;
@@ -18,6 +19,7 @@ mod not_read;
 mod object_builder;
 mod ply;
 mod qs;
+mod row_columns;
 pub(crate) mod sfl;
 pub(crate) mod source;
 mod tri;

@@ -2,21 +2,19 @@
 
 use std::sync::Arc;
 
-use bytes::Bytes;
 use pointstage_texels::PictureFile;
 use rayon::prelude::*;
 
 use super::LoadOptions;
 use super::assemble::{
-    AssembleError, Built, CornerLists, Corners, FaceData, FaceKind, FileFaces, MOST_VERTICES,
-    PositionScale, Table, Triangles, build, finish,
+    CornerLists, Corners, FaceData, FaceKind, FileFaces, MOST_VERTICES, PositionScale, Triangles,
+    finish,
 };
-use super::column_spec::{ColumnRole, ColumnSpec, roles_of, table_of};
+use super::column_spec::{ColumnRole, ColumnSpec};
 use super::error::LoadStop;
-use super::gathered::Gathered;
 use super::loader::Contents;
-use super::memory::append;
-use crate::geometry::{NamedColumn, ScalarType};
+use super::row_columns::RowColumns;
+use crate::geometry::ScalarType;
 use crate::job::Job;
 use crate::textures::NO_PICTURE;
 use crate::warnings::{WarningKind, Warnings};
@@ -82,9 +80,7 @@ pub enum BuildError {
 /// Collects columns and faces, checks their lengths, and makes an object of them.
 #[derive(Debug)]
 pub struct ObjectBuilder {
-    columns: Vec<(ColumnSpec, Gathered)>,
-    scale: Option<PositionScale>,
-    rows: usize,
+    columns: RowColumns,
     /// Lengths of the polygons; none while all are triangles.
     lengths: Option<Vec<u32>>,
     corners: Vec<u32>,
@@ -105,39 +101,8 @@ impl ObjectBuilder {
     /// # Errors
     /// There is no position, something is declared twice, or a column cannot have so many components.
     pub fn new(specs: Vec<ColumnSpec>) -> Result<Self, BuildError> {
-        let problem = |problem: String| Err(BuildError::Columns { problem });
-        for (index, spec) in specs.iter().enumerate() {
-            if !spec.role.fits(spec.components) {
-                return Err(BuildError::Components {
-                    role: spec.role,
-                    components: spec.components,
-                });
-            }
-            let same = |other: &ColumnSpec| {
-                other.role == spec.role
-                    && (spec.role != ColumnRole::Named || other.name == spec.name)
-            };
-            if specs[..index].iter().any(same) {
-                return problem(format!("{:?} '{}' is declared twice", spec.role, spec.name));
-            }
-        }
-        if !specs.iter().any(|spec| spec.role == ColumnRole::Position) {
-            return problem("there is no position".to_owned());
-        }
         Ok(Self {
-            columns: specs
-                .into_iter()
-                .map(|spec| {
-                    // Named columns are kept as they come, the others go into the object's own.
-                    let values = match spec.role {
-                        ColumnRole::Named => Gathered::in_blocks(spec.width()),
-                        _ => Gathered::together(spec.width()),
-                    };
-                    (spec, values)
-                })
-                .collect(),
-            scale: None,
-            rows: 0,
+            columns: RowColumns::new(specs)?,
             lengths: None,
             corners: Vec::new(),
             pictures: Vec::new(),
@@ -152,36 +117,19 @@ impl ObjectBuilder {
     /// # Errors
     /// They are of another type; nothing is noted then.
     pub fn scale_positions(&mut self, scale: PositionScale) -> Result<(), BuildError> {
-        for (spec, _) in &self.columns {
-            if spec.role == ColumnRole::Position && spec.scalar != ScalarType::I32 {
-                return Err(BuildError::Scale {
-                    scalar: spec.scalar,
-                });
-            }
-        }
-        self.scale = Some(scale);
-        Ok(())
+        self.columns.scale_positions(scale)
     }
 
-    /// Makes room for surfels that will come; a hint, of which no more is believed than a few million at once. Without effect
-    /// once some have come.
-    pub fn reserve(&mut self, rows: u64) {
-        const MOST: u64 = 1 << 24;
-        if self.rows > 0 {
-            return;
-        }
-        // Named columns stay with the object, the others do not.
-        for stays in [true, false] {
-            let columns = self.columns.iter_mut().filter_map(|(spec, values)| {
-                ((spec.role == ColumnRole::Named) == stays).then_some(values)
-            });
-            Gathered::reserve(columns, rows.min(MOST) as usize);
-        }
+    /// Makes room for surfels that are announced, in memory of `most_bytes` at most, and that of one block of an object; a hint,
+    /// of which no more is believed than a few million at once. Without effect once some have come. Positions that are scaled
+    /// take less memory if their scale was given before.
+    pub fn reserve(&mut self, rows: u64, most_bytes: u64) {
+        self.columns.reserve(rows, most_bytes);
     }
 
     /// Surfels handed over so far.
     pub fn rows(&self) -> usize {
-        self.rows
+        self.columns.rows()
     }
 
     /// Adds `rows` surfels: the bytes of each column in the order of their declaration, surfel by surfel, native byte order.
@@ -189,32 +137,7 @@ impl ObjectBuilder {
     /// # Errors
     /// A column is missing or of another length, or there are too many surfels; nothing is added then.
     pub fn add_rows(&mut self, rows: usize, columns: &[&[u8]]) -> Result<(), BuildError> {
-        let length = |column: usize, expected: usize, found: usize| BuildError::Length {
-            rows: rows as u64,
-            column,
-            expected: expected as u64,
-            found: found as u64,
-        };
-        if (self.rows as u64).saturating_add(rows as u64) > MOST_VERTICES {
-            return Err(BuildError::TooMany);
-        }
-        for (index, (spec, _)) in self.columns.iter().enumerate() {
-            let expected = rows * spec.width();
-            let found = columns.get(index).map_or(0, |bytes| bytes.len());
-            if found != expected {
-                return Err(length(index, expected, found));
-            }
-        }
-        if let Some(more) = columns.get(self.columns.len()) {
-            return Err(length(self.columns.len(), 0, more.len()));
-        }
-        let mut copies = Vec::new();
-        for ((_, own), bytes) in self.columns.iter_mut().zip(columns) {
-            own.add(bytes, &mut copies);
-        }
-        append(copies);
-        self.rows += rows;
-        Ok(())
+        self.columns.add(rows, columns)
     }
 
     /// Adds triangles, of surfels counted from 0. What names none is dropped and counted in the end.
@@ -324,7 +247,8 @@ impl ObjectBuilder {
     /// # Errors
     /// There is nothing to show, or the job was cancelled.
     pub fn finish(mut self, options: &LoadOptions, job: &Job) -> Result<Contents, LoadStop> {
-        if self.rows == 0 {
+        let rows = self.rows();
+        if rows == 0 {
             return Err(BuildError::Nothing.into());
         }
         job.set_stage("building columns");
@@ -332,27 +256,9 @@ impl ObjectBuilder {
             corners: self.take_faces(),
             pictures: std::mem::take(&mut self.pictures),
         };
-        let is_named = |(spec, _): &(ColumnSpec, Gathered)| spec.role == ColumnRole::Named;
-        let (named, columns): (Vec<_>, Vec<_>) = self.columns.into_iter().partition(is_named);
-        let columns: Vec<(ColumnSpec, Bytes)> = columns
-            .into_iter()
-            .map(|(spec, values)| (spec, values.into_parts().next().unwrap_or_default()))
-            .collect();
-        let tables: Vec<(ColumnRole, Table<'_>)> = columns
-            .iter()
-            .map(|(spec, bytes)| (spec.role, table_of(spec, bytes, self.rows)))
-            .collect();
-        let roles = roles_of(&tables, self.scale).ok_or(BuildError::Nothing)?;
         let mut warnings = self.warnings;
-        let mut built = build(&roles, self.rows, options.winding, job, &mut warnings)?;
-        drop(roles);
-        drop(tables);
-        drop(columns);
-        for (spec, values) in named {
-            job.check().map_err(AssembleError::from)?;
-            add_named(&spec, values, &mut built);
-        }
-        Ok(finish(built, self.rows, faces, options, job, warnings)?)
+        let built = self.columns.build(options.winding, job, &mut warnings)?;
+        Ok(finish(built, rows, faces, options, job, warnings)?)
     }
 
     fn take_faces(&mut self) -> Vec<Corners> {
@@ -379,37 +285,6 @@ impl ObjectBuilder {
             with_holes: 0,
             data,
         })]
-    }
-}
-
-/// Adds a column to the blocks, without the values of surfels that were dropped.
-fn add_named(spec: &ColumnSpec, values: Gathered, built: &mut Built) {
-    let mut values = values;
-    if let Some(new_index) = &built.new_index {
-        let width = spec.width();
-        let mut kept = Gathered::in_blocks(width);
-        let mut indices = new_index.iter();
-        for part in values.into_parts() {
-            let rows = part.chunks_exact(width).zip(&mut indices);
-            let own: Vec<u8> = rows
-                .filter(|(_, index)| **index != u32::MAX)
-                .flat_map(|(value, _)| value)
-                .copied()
-                .collect();
-            let mut copies = Vec::new();
-            kept.add(&own, &mut copies);
-            append(copies);
-        }
-        values = kept;
-    }
-    let name: Arc<str> = spec.name.as_str().into();
-    for (block, bytes) in built.blocks.iter_mut().zip(values.into_parts()) {
-        block.named.push(NamedColumn {
-            name: name.clone(),
-            scalar: spec.scalar,
-            components: spec.components,
-            bytes,
-        });
     }
 }
 

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use pointstage_plugin_api::columns::{NO_NORMAL, TangentAxes, encode_normal};
 
 use super::AssembleError;
-use super::place::{Placed, new_indices, origin_for, place};
+use super::place::{Placed, new_indices, origin_for, place, relative};
 use super::roles::{NamedRole, Roles};
 use super::table::{Field, Piece, RowSelection};
 use crate::bounds::Bounds;
@@ -103,12 +103,10 @@ pub(in crate::load) fn build(
     )?;
     add_colours(roles, &rows, &mut blocks, &mut origins, job)?;
     add_named(&roles.named, &rows, &mut blocks, job)?;
-    let local = |corner: DVec3| (corner - origin).as_vec3().as_dvec3();
-    let bounds = Bounds::new(local(placed.bounds.min), local(placed.bounds.max));
     Ok(Built {
         blocks,
         origin,
-        bounds,
+        bounds: relative(&placed.bounds, origin),
         new_index,
         origins,
     })

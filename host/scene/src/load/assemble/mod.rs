@@ -9,6 +9,7 @@ mod corners;
 mod faces;
 mod place;
 mod roles;
+mod scaled;
 mod table;
 mod triples;
 
@@ -21,10 +22,11 @@ pub(in crate::load) use build::{Built, build};
 pub(in crate::load) use corners::{
     CornerLists, Corners, FaceData, FaceKind, MOST_VERTICES, Triangles, corner_from,
 };
-pub use place::PositionScale;
 pub(crate) use place::origin_for;
-pub(in crate::load) use place::{MAX_COORDINATE, Placed, usable};
+pub(in crate::load) use place::{MAX_COORDINATE, Placed, relative, usable};
 pub(in crate::load) use roles::Roles;
+pub use scaled::PositionScale;
+pub(in crate::load) use scaled::{NumberBox, numbers_of};
 pub(in crate::load) use table::{
     ByteOrder, Field, RowSelection, Table, TableColumn, read_integer, read_number, write_native,
 };

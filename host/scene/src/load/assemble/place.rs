@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::roles::Roles;
 use super::table::{Piece, RowSelection};
@@ -68,66 +67,10 @@ pub(crate) fn origin_for(bounds: &Bounds) -> DVec3 {
     (bounds.centre() / step).round() * step
 }
 
-/// What whole numbers of positions stand for: `value = scale · number + offset`, axis by axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PositionScale {
-    /// Of one step.
-    pub scale: DVec3,
-    /// Of number 0, scene units.
-    pub offset: DVec3,
-}
-
-impl PositionScale {
-    /// The box of positions of three `i32` each, native byte order; `None` if some of them cannot be placed.
-    pub(in crate::load) fn bounds(&self, positions: &[u8]) -> Option<Bounds> {
-        /// Coordinates that are compared at once: whole positions, and whole vectors of the processor.
-        const LANES: usize = 24;
-        /// Bytes that one thread takes at a time.
-        const PART: usize = (4 * LANES) << 10;
-        type Box = [[i32; LANES]; 2];
-        let none: Box = [[i32::MAX; LANES], [i32::MIN; LANES]];
-        let join = |[low, high]: Box, with: &[[i32; LANES]; 2]| -> Box {
-            let [other_low, other_high] = with;
-            [
-                std::array::from_fn(|lane| low[lane].min(other_low[lane])),
-                std::array::from_fn(|lane| high[lane].max(other_high[lane])),
-            ]
-        };
-        let of_part = |part: &[u8]| {
-            let (rows, rest) = part.as_chunks::<{ 4 * LANES }>();
-            let numbers = |row: &[u8; 4 * LANES]| -> [i32; LANES] {
-                let numbers = row.as_chunks::<4>().0;
-                std::array::from_fn(|lane| i32::from_ne_bytes(numbers[lane]))
-            };
-            let mut all = none;
-            for row in rows {
-                let row = numbers(row);
-                all = join(all, &[row, row]);
-            }
-            for (index, number) in rest.as_chunks::<4>().0.iter().enumerate() {
-                let number = i32::from_ne_bytes(*number);
-                all[0][index] = all[0][index].min(number);
-                all[1][index] = all[1][index].max(number);
-            }
-            all
-        };
-        let [low, high] = positions
-            .par_chunks(PART)
-            .map(of_part)
-            .reduce(|| none, |all, part| join(all, &part));
-        let axis = |of: [i32; LANES], axis: usize, choose: fn(i32, i32) -> i32| {
-            let own = of.iter().skip(axis).step_by(3).copied();
-            f64::from(own.reduce(choose).unwrap_or_default())
-        };
-        let corner = |of, choose| {
-            let numbers = DVec3::from_array(std::array::from_fn(|index| axis(of, index, choose)));
-            self.scale * numbers + self.offset
-        };
-        let (a, b) = (corner(low, i32::min), corner(high, i32::max));
-        let fits = usable(a.to_array()) && usable(b.to_array()) && !positions.is_empty();
-        // A scale may be negative.
-        fits.then(|| Bounds::new(a.min(b), a.max(b)))
-    }
+/// A box as seen from `origin`, with the precision of positions.
+pub(in crate::load) fn relative(bounds: &Bounds, origin: DVec3) -> Bounds {
+    let local = |corner: DVec3| (corner - origin).as_vec3().as_dvec3();
+    Bounds::new(local(bounds.min), local(bounds.max))
 }
 
 /// Whether a surfel can stand there.
@@ -205,31 +148,6 @@ pub(in crate::load) fn new_indices(roles: &Roles<'_>, row_count: usize) -> Vec<u
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_box_of_numbers_is_that_of_their_values() {
-        let by = PositionScale {
-            scale: DVec3::new(0.5, -2.0, 1.0),
-            offset: DVec3::new(0.0, 10.0, -1.0),
-        };
-        for count in [1_usize, 7, 8, 9, 40_000] {
-            let numbers: Vec<[i32; 3]> = (0..count as i32)
-                .map(|row| [row.wrapping_mul(0x0101_4567), 3 - row, i32::MIN + row])
-                .collect();
-            let expected = numbers.iter().fold(Bounds::EMPTY, |bounds, row| {
-                let numbers = DVec3::from_array(row.map(f64::from));
-                bounds.with_point(by.scale * numbers + by.offset)
-            });
-            let found = by.bounds(bytemuck::cast_slice(&numbers));
-            assert_eq!(found, Some(expected), "{count}");
-        }
-        assert_eq!(by.bounds(&[]), None);
-        let endless = PositionScale {
-            scale: DVec3::new(1.0, f64::INFINITY, 1.0),
-            ..by
-        };
-        assert_eq!(endless.bounds(&[1; 24]), None);
-    }
 
     #[test]
     fn only_far_boxes_get_an_origin() {

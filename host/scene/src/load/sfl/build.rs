@@ -11,11 +11,10 @@ use super::layout::NormalForm;
 use super::normal::CubicCode;
 use super::property::{INVISIBLE, NAMED, NamedProperty, Property, SET_COLUMN};
 use super::rows::{Part, Rows, f32_at, vector_at};
-use crate::bounds::Bounds;
 use crate::geometry::{Block, NamedColumn, Origins, Provenance, ScalarType};
 use crate::job::{Cancelled, Job};
 use crate::load::Winding;
-use crate::load::assemble::{Built, MAX_COORDINATE, Placed, origin_for, usable};
+use crate::load::assemble::{Built, MAX_COORDINATE, Placed, origin_for, relative, usable};
 use crate::load::fill::{ByteColumn, Column, fill_blocks, fill_bytes};
 use crate::warnings::{WarningKind, Warnings};
 
@@ -77,11 +76,10 @@ pub(super) fn build(
     if set_count > 1 {
         add_set_indices(rows, &mut blocks, job)?;
     }
-    let local = |corner: DVec3| (corner - origin).as_vec3().as_dvec3();
     Ok(Built {
         blocks,
         origin,
-        bounds: Bounds::new(local(placed.bounds.min), local(placed.bounds.max)),
+        bounds: relative(&placed.bounds, origin),
         new_index: None,
         origins,
     })
