@@ -98,7 +98,7 @@ impl PluginLoader {
             return Err(FormatError::new(text).into());
         };
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let (sink, call) = (Sink::new(job, file.bytes().len() as u64), JobCall::new(job));
+        let (sink, call) = (Sink::of(job, file), JobCall::new(job));
         job.set_stage("reading the file");
         let watch = self.registry.watch(&self.info, Act::ReadFile);
         let outcome = object.load(&LoadRecord {

@@ -10,7 +10,8 @@ use pointstage_plugin_api::abi::{
     LoadSinkObject_TO, LoadSinkRef, LoadTextureRecord, ScalarType as BorderScalar,
 };
 use pointstage_scene::{
-    ColumnRole, ColumnSpec, Job, ObjectBuilder, PositionScale, ScalarType, WarningKind, Warnings,
+    ColumnRole, ColumnSpec, Job, ObjectBuilder, PositionScale, ScalarType, SourceFile, WarningKind,
+    Warnings,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
@@ -26,11 +27,16 @@ const MOST_RESERVED_BYTES: u64 = 32 << 20;
 /// Surfels copied between two looks at the cancel flag take a few milliseconds: a plugin may hand over all at once.
 const ROWS_AT_ONCE: u64 = 1 << 18;
 
+/// Bytes of the file that have been read after which they no longer count as our memory.
+const RELEASE_EVERY: usize = 4 << 20;
+
 /// Collects what a loader hands over.
 pub(super) struct Sink<'a> {
     job: &'a Job,
     /// Length of the file that is read.
     file_bytes: u64,
+    /// The file, where it is mapped.
+    file: Option<&'a SourceFile>,
     state: Mutex<State>,
 }
 
@@ -41,6 +47,10 @@ struct State {
     scale: Option<PositionScale>,
     /// Widths of the declared columns, bytes a surfel.
     widths: Vec<usize>,
+    /// Surfels that were announced; 0 stands for any number.
+    expected: u64,
+    /// Bytes from the start of the file that were released.
+    released: usize,
     warnings: Warnings,
     /// The first thing that the loader did wrong.
     problem: Option<String>,
@@ -51,7 +61,16 @@ impl<'a> Sink<'a> {
         Self {
             job,
             file_bytes,
+            file: None,
             state: Mutex::default(),
+        }
+    }
+
+    /// Of a loader that reads this file.
+    pub(super) fn of(job: &'a Job, file: &'a SourceFile) -> Self {
+        Self {
+            file: Some(file),
+            ..Self::new(job, file.bytes().len() as u64)
         }
     }
 
@@ -145,6 +164,22 @@ impl State {
         }
         Ok(())
     }
+
+    /// Releases what was read of a file, as far as can be told from the surfels that came: most are read from the start to the
+    /// end. What is read again after all is mapped again.
+    fn release(&mut self, file: &SourceFile) {
+        let rows = self.builder.as_ref().map_or(0, ObjectBuilder::rows) as u128;
+        let length = file.bytes().len();
+        if self.expected == 0 {
+            return;
+        }
+        let read = length as u128 * rows / rows.max(self.expected.into());
+        let read = usize::try_from(read).unwrap_or(length);
+        if read >= self.released.saturating_add(RELEASE_EVERY) {
+            file.release_range(self.released..read);
+            self.released = read;
+        }
+    }
 }
 
 impl LoadSinkObject for Sink<'_> {
@@ -170,6 +205,7 @@ impl LoadSinkObject for Sink<'_> {
                     .map_err(|error| error.to_string())?;
             }
             let most_bytes = self.file_bytes.saturating_mul(2);
+            state.expected = expected;
             builder.reserve(expected, most_bytes.saturating_add(MOST_RESERVED_BYTES));
             state.builder = Some(builder);
             Ok(())
@@ -177,7 +213,13 @@ impl LoadSinkObject for Sink<'_> {
     }
 
     fn rows(&self, rows: &LoadRowsRecord<'_>) -> RResult<(), ErrorRecord> {
-        self.change(|state| state.add_rows(rows, self.job))
+        self.change(|state| {
+            state.add_rows(rows, self.job)?;
+            if let Some(file) = self.file {
+                state.release(file);
+            }
+            Ok(())
+        })
     }
 
     fn polygons(

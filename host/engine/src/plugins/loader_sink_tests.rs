@@ -206,6 +206,29 @@ fn a_loader_that_begins_again_leaves_nothing_of_before() {
 }
 
 #[test]
+fn a_file_is_released_as_far_as_its_surfels_came() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("points");
+    let bytes: Vec<u8> = (0..9 << 20).map(|index| (index % 251) as u8).collect();
+    std::fs::write(&path, &bytes).unwrap();
+    let file = SourceFile::open(&path).unwrap();
+    let job = Job::new();
+    for (expected, released) in [(9, [0, 4, 4, 8, 8]), (5, [0, 7, 7, 7, 7]), (0, [0; 5])] {
+        let sink = Sink::of(&job, &file);
+        let border = sink.border();
+        border.columns([POSITION][..].into(), expected).unwrap();
+        let found = [1, 3, 1, 3, 2].map(|count| {
+            let positions = vec![0; 12 * count as usize];
+            let columns = [positions.as_slice().into()];
+            border.rows(&rows(count, &columns)).unwrap();
+            sink.state.lock().unwrap().released >> 20
+        });
+        assert_eq!(found, released, "{expected} announced");
+        assert!(file.bytes() == bytes, "{expected} announced");
+    }
+}
+
+#[test]
 fn a_cancelled_load_answers_so_at_every_call() {
     let job = Job::new();
     let sink = Sink::new(&job, 1 << 20);

@@ -13,7 +13,7 @@ use super::memory::{MANY_BYTES, uninit_slice};
 /// The blocks of a column in the making.
 #[derive(Debug)]
 pub(super) struct BlockSlots<T> {
-    /// Values that are said to come; a block's memory is taken for as many of them as it can hold when its first one comes.
+    /// Values that are said to come.
     announced: usize,
     /// All but the last are as long as a block can be, and full.
     blocks: Vec<Arc<[MaybeUninit<T>]>>,
@@ -22,13 +22,17 @@ pub(super) struct BlockSlots<T> {
 }
 
 impl<T: Pod + Send + Sync> BlockSlots<T> {
-    /// Room for values of which so many are announced; it need not be true.
+    /// Takes room for the first block of values of which so many are announced, which need not be true; that of the others is
+    /// taken when their first value comes.
     pub(super) fn new(announced: usize) -> Self {
-        Self {
+        let mut slots = Self {
             announced,
             blocks: Vec::new(),
             len: 0,
-        }
+        };
+        // Here, as each thread that takes room later has memory of its own to take it from.
+        slots.free_slots(0);
+        slots
     }
 
     /// Adds what `value` makes of each row, on all cores, and joins by `merge`, in any order, what `measure` finds in pieces of
@@ -70,7 +74,7 @@ impl<T: Pod + Send + Sync> BlockSlots<T> {
         summary
     }
 
-    /// Slots of the last block for what comes next, at least one and seldom fewer than `coming`.
+    /// Slots of the last block for what comes next: seldom fewer than `coming`, and one at least if anything comes.
     fn free_slots(&mut self, coming: usize) -> &mut [MaybeUninit<T>] {
         let index = self.len / MAX_BLOCK_SURFELS;
         let start = index * MAX_BLOCK_SURFELS;
@@ -93,6 +97,8 @@ impl<T: Pod + Send + Sync> BlockSlots<T> {
 
     /// The blocks, each as long as it has values.
     pub(super) fn into_blocks(mut self) -> Column<T> {
+        // Room for a first one may have been taken for nothing.
+        self.blocks.truncate(self.len.div_ceil(MAX_BLOCK_SURFELS));
         if let Some(last) = self.blocks.pop() {
             let used = self.len - self.blocks.len() * MAX_BLOCK_SURFELS;
             let is_full = used == last.len();

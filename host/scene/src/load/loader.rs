@@ -1,6 +1,7 @@
 //! What a loader is: a format's name, its look, and how to read it.
 
 use std::fmt::Debug;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
@@ -110,7 +111,12 @@ impl SourceFile {
 
     /// Tells the system that the bytes have been read, so that they no longer count as our memory.
     pub fn release(&self) {
-        self.source.release(0..self.source.len());
+        self.release_range(0..self.source.len());
+    }
+
+    /// The same of some of the bytes. They can be read again; a range beyond the end is without effect.
+    pub fn release_range(&self, range: Range<usize>) {
+        self.source.release(range);
     }
 }
 
