@@ -7,6 +7,8 @@
 //! as much as all the rest. What remains is a chain (division, look-up, product, the next division) in which the processor mostly
 //! waits, and [`super::chunked`] and [`super::layered`] fill that time with a second chunk.
 
+use std::hint::select_unpredictable;
+
 use super::model::{FREQUENCY_BITS, Symbols, WideSymbols};
 
 /// The interval never gets smaller.
@@ -47,13 +49,14 @@ impl<'a> Decoder<'a> {
         self.input.get(self.at).copied().unwrap_or_default().into()
     }
 
-    /// Makes the interval large enough again: nearly always by one byte or none, and which of the two no branch depends on.
+    /// Takes a place and an interval, and makes it large enough again: nearly always by one byte or none, and on which of the two
+    /// no branch depends.
     #[inline(always)]
-    fn renew(&mut self) {
-        let is_short = self.length < LEAST_LENGTH;
-        let bits = u32::from(is_short) * 8;
-        self.value = (self.value << bits) | (self.byte() >> (8 - bits));
-        self.length <<= bits;
+    fn renew(&mut self, value: u32, length: u32) {
+        let is_short = length < LEAST_LENGTH;
+        let longer = value << 8 | self.byte();
+        self.value = select_unpredictable(is_short, longer, value);
+        self.length = select_unpredictable(is_short, length << 8, length);
         self.at += usize::from(is_short);
         if self.length < LEAST_LENGTH {
             self.renew_more();
@@ -89,13 +92,11 @@ impl<'a> Decoder<'a> {
     /// The next symbol; a `unit` is the length of the interval by the sum of the frequencies.
     #[inline(always)]
     fn symbol_in_units(&mut self, model: &mut Symbols, unit: u32) -> u8 {
-        let symbol = model.find(self.value / unit.max(1));
+        let symbol = model.find(self.value.checked_div(unit).unwrap_or_default());
         let (low, high) = model.range(symbol);
-        let high = if symbol == model.last() {
-            self.length
-        } else {
-            unit.wrapping_mul(high)
-        };
+        // That a symbol is the last is as likely as others: bytes that differ by -1.
+        let is_last = symbol == model.last();
+        let high = select_unpredictable(is_last, self.length, unit.wrapping_mul(high));
         self.narrow(unit.wrapping_mul(low), high);
         model.count(symbol);
         symbol
@@ -115,10 +116,9 @@ impl<'a> Decoder<'a> {
         if self.value < low || self.value >= high {
             return self.unforetold_symbol(model);
         }
-        self.value -= low;
-        self.length = high - low;
+        (self.value, self.length) = (self.value - low, high - low);
         if self.length < LEAST_LENGTH {
-            self.renew();
+            self.renew(self.value, self.length);
         }
         model.count(symbol);
         symbol
@@ -143,9 +143,7 @@ impl<'a> Decoder<'a> {
     /// Takes the part of the interval from `low` to `high`. Damaged data may wrap around.
     #[inline(always)]
     fn narrow(&mut self, low: u32, high: u32) {
-        self.value = self.value.wrapping_sub(low);
-        self.length = high.wrapping_sub(low);
-        self.renew();
+        self.renew(self.value.wrapping_sub(low), high.wrapping_sub(low));
     }
 
     /// Bits that no model foretells, at most 32; none reads nothing.
@@ -154,11 +152,11 @@ impl<'a> Decoder<'a> {
         if bits > BITS_AT_ONCE {
             return self.many_bits(bits);
         }
-        self.length >>= bits;
-        let value = (self.value / self.length.max(1)).min((1 << bits) - 1);
-        self.value = self.value.wrapping_sub(self.length * value);
-        self.renew();
-        value
+        let length = self.length >> bits;
+        let number = self.value.checked_div(length).unwrap_or_default();
+        let number = number.min((1 << bits) - 1);
+        self.renew(self.value.wrapping_sub(length * number), length);
+        number
     }
 
     #[cold]

@@ -127,18 +127,16 @@ pub(super) fn read_numbers<'a, L, const LANES: usize>(
     lanes: &mut [L; LANES],
     of: impl for<'l> Fn(&'l mut L) -> Option<(&'l mut Decoder<'a>, &'l mut Integers)>,
 ) {
-    let mut is_any_long = false;
     for lane in &mut *lanes {
         if let Some((decoder, integers)) = of(lane) {
             integers.read_upper(decoder);
-            is_any_long |= integers.is_long();
         }
     }
-    if is_any_long {
-        for lane in lanes {
-            if let Some((decoder, integers)) = of(lane) {
-                integers.read_lower(decoder);
-            }
+    for lane in lanes {
+        if let Some((decoder, integers)) = of(lane)
+            && integers.is_long()
+        {
+            integers.read_lower(decoder);
         }
     }
 }

@@ -3,20 +3,25 @@
 //! The frequencies are brought up to date in ever longer cycles, as in Said's FastAC. All that a symbol needs lies together, in
 //! arrays of fixed sizes that a byte cannot leave.
 
+use wide::u16x8;
+
 /// Bits that a cumulative frequency has.
 pub(super) const FREQUENCY_BITS: u32 = 15;
 /// Bits that the frequency of a bit has.
 const BIT_BITS: u32 = 13;
-/// Symbols that are compared at once, as two words of four numbers of 16 bits each.
+/// Symbols that are compared at once.
 const AT_ONCE: usize = 8;
 /// Larger than any place in the interval.
 const NEVER: u16 = 1 << FREQUENCY_BITS;
 /// The upper bits of a place choose a slot of this table.
 const SLOTS: usize = 64;
-/// A number of 16 bits times this is in all four parts of a word.
-const ONES: u64 = 0x0001_0001_0001_0001;
-/// The highest bits of the four parts.
-const HIGHS: u64 = 0x8000_8000_8000_8000;
+/// How many of numbers that ascend are not above a place, without a branch.
+#[inline(always)]
+fn not_above(starts: &[u16; AT_ONCE], place: u16) -> u32 {
+    let behind = u16x8::new(*starts).saturating_sub(u16x8::splat(place));
+    let are_not = behind.simd_eq(u16x8::splat(0)).to_bitmask();
+    (!are_not).trailing_zeros()
+}
 
 /// How often each of at most 256 symbols is, or how often a bit is 0.
 #[derive(Clone)]
@@ -97,22 +102,17 @@ impl Symbols {
     /// The symbol at a place in the interval.
     #[inline(always)]
     pub(super) fn find(&self, place: u32) -> u8 {
-        // A place behind the last symbol's is within it: the interval need not be a multiple of its unit.
-        let place = place.min(u32::from(NEVER) - 1);
+        if place >= u32::from(NEVER) {
+            // Within the last one's: the interval need not be a multiple of its unit.
+            return self.last;
+        }
         let mut symbol = self.slots[(place >> (self.shift & 31)) as usize % SLOTS];
-        // In each part the highest bit stays if the start is not behind the place.
-        let places = (u64::from(place) * ONES) | HIGHS;
         loop {
             let at = usize::from(symbol) + 1;
-            let starts = &self.starts[at..at + AT_ONCE];
-            let part = |at: usize| u64::from(starts[at]);
-            let first = part(0) | part(1) << 16 | part(2) << 32 | part(3) << 48;
-            let second = part(4) | part(5) << 16 | part(6) << 32 | part(7) << 48;
-            let first = (places - first) & HIGHS;
-            let second = (places - second) & HIGHS;
-            let before = ((first >> 15) + (second >> 15)).wrapping_mul(ONES) >> 48;
+            let starts = self.starts[at..].first_chunk();
+            let before = starts.map_or(0, |starts| not_above(starts, place as u16));
             symbol = symbol.wrapping_add(before as u8);
-            if before < AT_ONCE as u64 {
+            if before < AT_ONCE as u32 {
                 return symbol;
             }
         }
