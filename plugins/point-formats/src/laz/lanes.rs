@@ -59,7 +59,7 @@ pub(super) struct Progress<P> {
 }
 
 /// The lanes of one thread, two at most.
-pub(super) struct Lanes<'t, L, T: Taker> {
+pub(super) struct Pair<'t, L, T: Taker> {
     taker: &'t T,
     layout: Layout,
     // Side by side, as `Lane::next` wants them.
@@ -68,7 +68,7 @@ pub(super) struct Lanes<'t, L, T: Taker> {
     records: [Vec<u8>; 2],
 }
 
-impl<'t, 'a, L: Lane<'a>, T: Taker> Lanes<'t, L, T> {
+impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
     pub(super) fn new(layout: Layout, taker: &'t T) -> Self {
         let records = || vec![0; RUN * layout.stride()];
         Self {

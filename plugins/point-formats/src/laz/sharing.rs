@@ -9,7 +9,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use super::chunked::ChunkedLane;
-use super::lanes::{Chunk, Incomplete, Lane, Lanes, Progress, Taker};
+use super::lanes::{Chunk, Incomplete, Lane, Pair, Progress, Taker};
 use super::layered::LayeredLane;
 use super::layout::Layout;
 
@@ -150,9 +150,9 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
             sharing: self,
             only_by_panic: true,
         };
-        let mut lanes = Lanes::new(layout, taker);
-        while self.supply(&mut lanes) {
-            lanes.run(|progress, is_whole| {
+        let mut pair = Pair::new(layout, taker);
+        while self.supply(&mut pair) {
+            pair.run(|progress, is_whole| {
                 let piece = if is_whole {
                     Ok(progress.piece)
                 } else {
@@ -163,31 +163,31 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
         }
     }
 
-    /// Gives a thread what it lacks, or takes what another has none of; `false` when nothing is left to do.
-    fn supply<T: Taker<Piece = P>>(&self, lanes: &mut Lanes<'_, L, T>) -> bool {
+    /// Gives a thread what it lacks, or takes from it what another lacks; `false` when nothing is left to do.
+    fn supply<T: Taker<Piece = P>>(&self, pair: &mut Pair<'_, L, T>) -> bool {
         let mut state = self.lock();
         loop {
             if state.is_stopped {
                 return false;
             }
-            if lanes.len() == 2 {
+            if pair.len() == 2 {
                 if state.idle > state.left_over.len() {
-                    state.left_over.extend(lanes.pop());
+                    state.left_over.extend(pair.pop());
                     self.changed.notify_all();
                 }
                 return true;
             }
-            if lanes.len() == 0
+            if pair.len() == 0
                 && let Some(begun) = state.left_over.pop()
             {
-                lanes.push(begun);
+                pair.push(begun);
             } else if let Some((number, chunk, piece)) = state.begin(self.most_ahead) {
                 drop(state);
-                if lanes.begin(number, chunk, piece).is_err() {
+                if pair.begin(number, chunk, piece).is_err() {
                     self.end(number, Err(Incomplete));
                 }
                 state = self.lock();
-            } else if lanes.len() > 0 {
+            } else if pair.len() > 0 {
                 return true;
             } else if state.lanes == 0 && state.waiting.is_empty() {
                 return false;

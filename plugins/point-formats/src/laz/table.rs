@@ -12,7 +12,7 @@ use super::sharing::{Ended, Limits, decompress};
 /// The chunks of a file that hold its points.
 pub(crate) struct Chunks<'a> {
     layout: Layout,
-    chunks: Vec<Chunk<'a>>,
+    list: Vec<Chunk<'a>>,
     /// Whether they hold as many points as they should.
     are_all: bool,
 }
@@ -61,7 +61,7 @@ impl<'a> Chunks<'a> {
         }
         Ok(Some(Self {
             layout,
-            chunks,
+            list: chunks,
             are_all: left == 0,
         }))
     }
@@ -76,7 +76,7 @@ impl<'a> Chunks<'a> {
         taker: &T,
         fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
     ) -> Result<(), Ended<E>> {
-        decompress(self.layout, self.chunks, limits, taker, fetch)?;
+        decompress(self.layout, self.list, limits, taker, fetch)?;
         if self.are_all {
             Ok(())
         } else {
