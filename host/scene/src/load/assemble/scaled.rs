@@ -94,24 +94,28 @@ impl NumberBox {
 
     /// Of positions of three `i32` each, native byte order.
     pub(in crate::load) fn of(positions: &[[u8; 12]]) -> Self {
-        /// Positions that are compared at once: whole vectors of the processor.
-        const ROWS: usize = 8;
-        let mut low = [[i32::MAX; 3]; ROWS];
-        let mut high = [[i32::MIN; 3]; ROWS];
-        let mut join = |rows: &[[u8; 12]]| {
-            for ((row, low), high) in rows.iter().zip(&mut low).zip(&mut high) {
-                let numbers = numbers_of(row);
-                *low = std::array::from_fn(|axis| low[axis].min(numbers[axis]));
-                *high = std::array::from_fn(|axis| high[axis].max(numbers[axis]));
-            }
-        };
-        let (rows, rest) = positions.as_chunks::<ROWS>();
-        for rows in rows {
-            join(rows);
+        /// Numbers that are compared at once: whole positions, and whole vectors of the processor.
+        const LANES: usize = 24;
+        let mut low = [i32::MAX; LANES];
+        let mut high = [i32::MIN; LANES];
+        let (rows, rest) = positions.as_flattened().as_chunks::<{ 4 * LANES }>();
+        for row in rows {
+            let numbers = row.as_chunks::<4>().0;
+            let row: [i32; LANES] = std::array::from_fn(|lane| i32::from_ne_bytes(numbers[lane]));
+            low = std::array::from_fn(|lane| low[lane].min(row[lane]));
+            high = std::array::from_fn(|lane| high[lane].max(row[lane]));
         }
-        join(rest);
-        let boxes = low.into_iter().zip(high);
-        let boxes = boxes.map(|(low, high)| Self { low, high });
+        let rest = rest.as_chunks::<4>().0;
+        for ((number, low), high) in rest.iter().zip(&mut low).zip(&mut high) {
+            let number = i32::from_ne_bytes(*number);
+            *low = number.min(*low);
+            *high = number.max(*high);
+        }
+        let boxes = low.as_chunks::<3>().0.iter().zip(high.as_chunks::<3>().0);
+        let boxes = boxes.map(|(low, high)| Self {
+            low: *low,
+            high: *high,
+        });
         boxes.fold(Self::default(), Self::union)
     }
 
