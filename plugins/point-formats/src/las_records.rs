@@ -1,23 +1,19 @@
 //! Records of LAS points: as they lie in the file, or decompressed, chunk by chunk.
 
-use std::io::Cursor;
-
-use ::laz::ParLasZipDecompressor;
 use las::Header;
 use pointstage_plugin_api::{Error, Result};
 
-use crate::las_columns::{Layout, Plan};
+use crate::las_columns::Plan;
 use crate::las_pieces::{HandedOver, Piece, Stop};
-use crate::laz::{Chunks, Ended, Limits, Taker as _};
+use crate::laz::{Chunks, Ended, Limits};
 
 /// Bytes of records that are decompressed and not yet handed over, for each thread (two chunks of a usual file, and as many
 /// again), and at least so many in all.
 const BYTES_A_THREAD: usize = 6 << 20;
 const LEAST_BYTES: usize = 1 << 24;
 
-/// Bytes of points that the crate decompresses at once, and that a chunk of ours may have: a header may claim 64 KB a point, and
-/// the memory is taken before the first is read.
-const BYTES_AT_ONCE: u64 = 1 << 24;
+/// Bytes of the records of a chunk that is handed over as a whole.
+const BYTES_OF_CHUNK: usize = 1 << 24;
 
 /// Where records come from.
 pub(crate) enum Records<'a> {
@@ -28,17 +24,9 @@ pub(crate) enum Records<'a> {
 
 /// Records that are decompressed.
 pub(crate) struct Packed<'a> {
-    decompressor: Decompressor<'a>,
-    layout: Layout,
+    chunks: Chunks<'a>,
+    stride: usize,
     expected: u64,
-}
-
-/// What decompresses records.
-enum Decompressor<'a> {
-    /// Ours, for most files.
-    Own(Chunks<'a>),
-    /// That of the crate `laz`, for the others.
-    Crate(Box<ParLasZipDecompressor<Cursor<&'a [u8]>>>),
 }
 
 impl<'a> Records<'a> {
@@ -75,33 +63,22 @@ impl<'a> Packed<'a> {
             ))
         };
         let description = header.laz_vlr().map_err(|error| unknown(&error))?;
-        let layout = Layout::of(header);
+        let stride = usize::from(header.point_format().len());
         let packed: usize = description
             .items()
             .iter()
             .map(|item| usize::from(item.size()))
             .sum();
-        if packed != layout.stride {
+        if packed != stride {
             return Err(unknown(&format_args!(
-                "expected points of {} bytes, found {packed}",
-                layout.stride
+                "expected points of {stride} bytes, found {packed}"
             )));
         }
         let expected = header.number_of_points();
-        let mut source = Cursor::new(file);
-        source.set_position(start);
-        // Made in any case: it refuses files without chunks, which neither of the two decompresses.
-        let decompressor = ParLasZipDecompressor::new(source, description.clone())
-            .map_err(|error| unknown(&error))?;
-        let chunks = Chunks::new(file, start, expected, &description, BYTES_AT_ONCE)
-            .map_err(|error| unknown(&error))?;
-        let decompressor = match chunks {
-            Some(chunks) => Decompressor::Own(chunks),
-            None => Decompressor::Crate(Box::new(decompressor)),
-        };
+        let chunks = Chunks::new(file, start, expected, &description);
         Ok(Self {
-            decompressor,
-            layout,
+            chunks: chunks.map_err(|problem| unknown(&problem))?,
+            stride,
             expected,
         })
     }
@@ -115,45 +92,24 @@ impl<'a> Packed<'a> {
         plan: &Plan<'_>,
         handed: &mut HandedOver<'_, '_>,
     ) -> Result<(), Stop> {
-        let expected = self.expected;
-        let damaged = |taken: u64, problem: &dyn std::fmt::Display| {
-            Stop::Failed(Error::failed(format!(
-                "expected {expected} points, but behind point {taken} comes what cannot be read: {problem}; the file is damaged or truncated, copy it again"
-            )))
+        let threads = rayon::current_num_threads();
+        let limits = Limits {
+            threads,
+            points: (threads * BYTES_A_THREAD).max(LEAST_BYTES) / self.stride,
+            of_chunk: BYTES_OF_CHUNK / self.stride,
         };
-        match self.decompressor {
-            Decompressor::Own(chunks) => {
-                let threads = rayon::current_num_threads();
-                let limits = Limits {
-                    threads,
-                    points: (threads * BYTES_A_THREAD).max(LEAST_BYTES) / self.layout.stride,
-                };
-                let fetch = |piece: Piece| handed.take(piece);
-                match chunks.decompress(limits, plan, fetch) {
-                    Ok(()) => Ok(()),
-                    Err(Ended::By(stop)) => Err(stop),
-                    Err(Ended::Damaged(problem)) => Err(damaged(handed.taken(), &problem)),
-                    Err(Ended::NoThread(error)) => Err(Stop::Failed(Error::failed(format!(
-                        "the system gives no thread to decompress it: {error}; close other programs"
-                    )))),
-                }
-            }
-            Decompressor::Crate(mut decompressor) => {
-                let most = (BYTES_AT_ONCE / self.layout.stride as u64).max(1);
-                let (mut records, mut piece) = (Vec::new(), Piece::default());
-                while handed.taken() < expected {
-                    let count = most.min(expected - handed.taken()) as usize;
-                    records.resize(count * self.layout.stride, 0);
-                    decompressor
-                        .decompress_many(&mut records)
-                        .map_err(|problem| damaged(handed.taken(), &problem))?;
-                    plan.begin(&mut piece, count);
-                    plan.fill(&records, &mut piece.columns);
-                    piece.largest_colour = self.layout.largest_colour(&records);
-                    piece = handed.take(piece)?.unwrap_or_default();
-                }
-                Ok(())
-            }
+        let fetch = |piece: Piece| handed.take(piece);
+        match self.chunks.decompress(limits, plan, fetch) {
+            Ok(()) => Ok(()),
+            Err(Ended::By(stop)) => Err(stop),
+            Err(Ended::Damaged(problem)) => Err(Stop::Failed(Error::failed(format!(
+                "expected {} points, but behind point {} comes what cannot be read: {problem}; the file is damaged or truncated, copy it again",
+                self.expected,
+                handed.taken()
+            )))),
+            Err(Ended::NoThread(error)) => Err(Stop::Failed(Error::failed(format!(
+                "the system gives no thread to decompress it: {error}; close other programs"
+            )))),
         }
     }
 }

@@ -15,6 +15,8 @@ use super::memory::{MANY_BYTES, uninit_slice};
 pub(super) struct BlockSlots<T> {
     /// Values that are said to come.
     announced: usize,
+    /// Of these so many are believed before any has come.
+    at_first: usize,
     /// All but the last are as long as a block can be, and full.
     blocks: Vec<Arc<[MaybeUninit<T>]>>,
     /// Values written, from the first slot on without a gap.
@@ -22,11 +24,12 @@ pub(super) struct BlockSlots<T> {
 }
 
 impl<T: Pod + Send + Sync> BlockSlots<T> {
-    /// Takes room for the first block of values of which so many are announced, which need not be true; that of the others is
-    /// taken when their first value comes.
-    pub(super) fn new(announced: usize) -> Self {
+    /// Takes room for the first `at_first` values of which so many are announced, which need not be true; more is taken when
+    /// these are there, and that of further blocks when their first value comes.
+    pub(super) fn new(announced: usize, at_first: usize) -> Self {
         let mut slots = Self {
             announced,
+            at_first,
             blocks: Vec::new(),
             len: 0,
         };
@@ -81,8 +84,10 @@ impl<T: Pod + Send + Sync> BlockSlots<T> {
         let used = self.len - start;
         let block = self.blocks.get(index);
         if used == block.map_or(0, |block| block.len()) {
-            // What was announced; where that was too little, twice as much, so that values seldom move.
-            let announced = self.announced.saturating_sub(start);
+            // Where less was announced, or is believed, twice as much, so that values seldom move.
+            // The more have come, the more are believed to come.
+            let believed = self.at_first.max(4 * self.len);
+            let announced = self.announced.min(believed).saturating_sub(start);
             let wanted = announced.max(2 * used).max(used + coming);
             let mut larger = uninit_slice(wanted.min(MAX_BLOCK_SURFELS));
             if let Some(block) = block {
@@ -139,8 +144,12 @@ mod tests {
     use super::*;
 
     /// The bytes that are written, inverted, and the sum of their measures.
-    fn write(announced: usize, bytes: &[u8], run: usize) -> (Column<u8>, usize) {
-        let mut slots = BlockSlots::new(announced);
+    fn write(
+        (announced, at_first): (usize, usize),
+        bytes: &[u8],
+        run: usize,
+    ) -> (Column<u8>, usize) {
+        let mut slots = BlockSlots::new(announced, at_first);
         let runs = bytes.as_chunks::<1>().0.chunks(run);
         let counts = runs.map(|rows| slots.extend(rows, |[byte]| !byte, <[_]>::len, |a, b| a + b));
         let count = counts.sum();
@@ -152,11 +161,18 @@ mod tests {
         let surfels = MAX_BLOCK_SURFELS + 1000;
         let bytes: Vec<u8> = (0..surfels).map(|index| (index % 251) as u8).collect();
         let expected: Vec<u8> = bytes.iter().map(|byte| !byte).collect();
-        for announced in [0, MAX_BLOCK_SURFELS - 7, surfels, usize::MAX] {
+        let less = MAX_BLOCK_SURFELS - 7;
+        for announced in [
+            (0, 0),
+            (less, surfels),
+            (surfels, surfels),
+            (surfels, 5),
+            (usize::MAX, less),
+        ] {
             for run in [65_536, 1_000_003, surfels] {
                 let (blocks, count) = write(announced, &bytes, run);
                 let lengths: Vec<usize> = blocks.iter().map(|block| block.len()).collect();
-                let case = format!("{announced} announced, runs of {run}");
+                let case = format!("{announced:?} announced, runs of {run}");
                 assert_eq!(lengths, [MAX_BLOCK_SURFELS, 1000], "{case}");
                 assert_eq!(count, surfels, "{case}");
                 assert!(blocks.concat() == expected, "{case}");
@@ -166,13 +182,13 @@ mod tests {
 
     #[test]
     fn nothing_makes_no_blocks() {
-        assert_eq!(write(1000, &[], 1), (Vec::new(), 0));
+        assert_eq!(write((1000, 1000), &[], 1), (Vec::new(), 0));
     }
 
     #[test]
     fn full_blocks_stay_where_they_are() {
         let bytes = vec![7; MAX_BLOCK_SURFELS + 5];
-        let mut slots = BlockSlots::new(bytes.len());
+        let mut slots = BlockSlots::new(bytes.len(), bytes.len());
         slots.extend(
             &bytes.as_chunks::<1>().0[..9],
             |[byte]| *byte,

@@ -106,30 +106,32 @@ impl RowColumns {
         Ok(())
     }
 
-    /// Makes room for surfels that are announced, of `most_bytes` at most beside that of an object's block; a hint, of which no
-    /// more is believed than a few million at once. Without effect once some have come.
+    /// Makes room for surfels that are announced, in memory of `most_bytes` at most; a hint, of which no more is believed than a
+    /// few million at once. Without effect once some have come.
     pub(super) fn reserve(&mut self, rows: u64, most_bytes: u64) {
         const MOST: u64 = 1 << 24;
         if self.rows > 0 {
             return;
         }
+        let widths = self.columns.iter().map(|(spec, values)| values.width(spec));
+        let width: u64 = widths.sum();
+        let at_first = rows.min(MOST).min(most_bytes / width.max(1)) as usize;
+        let announced = rows.min(MOST_VERTICES) as usize;
         // Named columns stay with the object, the others do not.
         let mut gathered: [Vec<&mut Gathered>; 2] = Default::default();
-        let mut width = 0;
         for (spec, values) in &mut self.columns {
-            let announced = rows.min(MOST_VERTICES) as usize;
             match values {
                 Values::Gathered(values) => {
-                    width += spec.width() as u64;
                     gathered[usize::from(spec.role == ColumnRole::Named)].push(values);
                 }
-                Values::Positions(slots, _) => *slots = BlockSlots::new(announced),
-                Values::Rgb(slots) | Values::Rgba(slots) => *slots = BlockSlots::new(announced),
+                Values::Positions(slots, _) => *slots = BlockSlots::new(announced, at_first),
+                Values::Rgb(slots) | Values::Rgba(slots) => {
+                    *slots = BlockSlots::new(announced, at_first);
+                }
             }
         }
-        let rows = rows.min(MOST).min(most_bytes / width.max(1));
         for columns in gathered {
-            Gathered::reserve(columns, rows as usize);
+            Gathered::reserve(columns, at_first);
         }
     }
 
@@ -242,11 +244,21 @@ impl Values {
     /// None yet, of a column that [`fits_in_place`].
     fn in_place(spec: &ColumnSpec) -> Self {
         match spec.role {
-            ColumnRole::Position => Self::Positions(BlockSlots::new(0), NumberBox::default()),
-            ColumnRole::Colour if spec.components == 3 => Self::Rgb(BlockSlots::new(0)),
-            ColumnRole::Colour => Self::Rgba(BlockSlots::new(0)),
+            ColumnRole::Position => Self::Positions(BlockSlots::new(0, 0), NumberBox::default()),
+            ColumnRole::Colour if spec.components == 3 => Self::Rgb(BlockSlots::new(0, 0)),
+            ColumnRole::Colour => Self::Rgba(BlockSlots::new(0, 0)),
             _ => Self::gathered(spec),
         }
+    }
+
+    /// Bytes that a surfel's values take.
+    fn width(&self, spec: &ColumnSpec) -> u64 {
+        let width = match self {
+            Self::Gathered(_) => spec.width(),
+            Self::Positions(..) => size_of::<[u32; 4]>(),
+            Self::Rgb(_) | Self::Rgba(_) => size_of::<u32>(),
+        };
+        width as u64
     }
 
     /// Adds the values of some surfels, whole ones.

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use super::layout::Layout;
-
 /// A chunk that ends before its records do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Incomplete;
@@ -24,8 +22,11 @@ pub(crate) struct Chunk<'a> {
 
 /// A chunk that is being decompressed.
 pub(super) trait Lane<'a>: Sized + Send {
+    /// What records consist of.
+    type Format: Sync;
+
     /// Begins a chunk and writes its first record.
-    fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
+    fn begin(format: &Self::Format, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
 
     /// Writes the next record of each lane.
     fn next<const LANES: usize>(lanes: &mut [Self; LANES], records: [&mut [u8]; LANES]);
@@ -47,7 +48,7 @@ pub(crate) trait Taker: Sync {
 }
 
 /// Records of a lane that come out before they are taken: with those of the other they stay in the second-level cache.
-const RUN: usize = 1024;
+pub(super) const RUN: usize = 1024;
 
 /// A lane's chunk, and how far it is.
 pub(super) struct Progress<P> {
@@ -59,21 +60,23 @@ pub(super) struct Progress<P> {
 }
 
 /// The lanes of one thread, two at most.
-pub(super) struct Pair<'t, L, T: Taker> {
+pub(super) struct Pair<'t, 'a, L: Lane<'a>, T: Taker> {
     taker: &'t T,
-    layout: Layout,
+    format: &'t L::Format,
+    stride: usize,
     // Side by side, as `Lane::next` wants them.
     lanes: Vec<L>,
     progress: Vec<Progress<T::Piece>>,
     records: [Vec<u8>; 2],
 }
 
-impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
-    pub(super) fn new(layout: Layout, taker: &'t T) -> Self {
-        let records = || vec![0; RUN * layout.stride()];
+impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, 'a, L, T> {
+    pub(super) fn new(format: &'t L::Format, stride: usize, taker: &'t T) -> Self {
+        let records = || vec![0; RUN * stride];
         Self {
             taker,
-            layout,
+            format,
+            stride,
             lanes: Vec::with_capacity(2),
             progress: Vec::with_capacity(2),
             records: [records(), records()],
@@ -96,8 +99,8 @@ impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
         mut piece: T::Piece,
     ) -> Result<(), Incomplete> {
         let [records, _] = &mut self.records;
-        let first = &mut records[..self.layout.stride()];
-        let lane = L::begin(self.layout, chunk.input, first)?;
+        let first = &mut records[..self.stride];
+        let lane = L::begin(self.format, chunk.input, first)?;
         self.taker.begin(&mut piece, chunk.count);
         self.taker.add(&mut piece, 0, first);
         self.push((
@@ -125,7 +128,7 @@ impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
 
     /// Goes on by a run of records, and calls `end` with each chunk that ends with it, and whether all of it was there.
     pub(super) fn run(&mut self, mut end: impl FnMut(Progress<T::Piece>, bool)) {
-        let stride = self.layout.stride();
+        let stride = self.stride;
         let left = self.progress.iter().map(|lane| lane.count - lane.taken);
         let count = left.min().unwrap_or_default().min(RUN);
         let [first, second] = &mut self.records;
@@ -153,7 +156,7 @@ impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
 }
 
 #[inline(never)]
-fn one<'a, L: Lane<'a>>(lane: &mut [L; 1], records: &mut [u8], stride: usize) {
+pub(super) fn one<'a, L: Lane<'a>>(lane: &mut [L; 1], records: &mut [u8], stride: usize) {
     for record in records.chunks_exact_mut(stride) {
         L::next(lane, [record]);
     }

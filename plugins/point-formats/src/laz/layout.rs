@@ -2,10 +2,39 @@
 
 use ::laz::{LazItem, LazItemType};
 
+use super::by_crate::Items;
 use super::{colour, infrared, point10, point14};
 
 /// Extra bytes of a record that are ours: each has a model of 1 KB in each chunk that is being decompressed.
 const MOST_EXTRA_BYTES: u16 = 64;
+
+/// How records are compressed, and who decompresses them.
+#[derive(Clone, Debug)]
+pub(super) enum Format {
+    Own(Layout),
+    Crate(Items),
+}
+
+impl Format {
+    /// Of a record of such items.
+    ///
+    /// # Errors
+    /// Nobody knows them.
+    pub(super) fn of(items: &[LazItem]) -> Result<Self, String> {
+        match Layout::of(items) {
+            Some(layout) => Ok(Self::Own(layout)),
+            None => Items::of(items).map(Self::Crate),
+        }
+    }
+
+    /// Bytes of a record.
+    pub(super) fn stride(&self) -> usize {
+        match self {
+            Self::Own(layout) => layout.stride(),
+            Self::Crate(items) => items.stride,
+        }
+    }
+}
 
 /// The fields of a record that we decompress ourselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

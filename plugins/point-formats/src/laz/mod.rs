@@ -6,7 +6,7 @@
 //! a processor waits most of the time. So each thread decompresses two chunks at once, in lockstep ([`lanes`]): the steps of one
 //! fill the waits of the other, as long as no branch depends on what is read ([`decoder`], [`model`]).
 //!
-//! * [`table`]: the chunks of a file; [`layout`]: which files, the others are left to the crate `laz`
+//! * [`table`]: the chunks of a file; [`layout`]: which records, the others are left to the crate `laz`, by [`by_crate`]
 //! * [`sharing`]: chunks to threads, and what comes of them in order; [`lanes`]: two at once on each thread
 //! * [`chunked`]: one stream of all fields, of [`point10`], [`gps_time`] and [`colour`]
 //! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`] and [`infrared`] ([`by_channel`])
@@ -21,6 +21,7 @@
 )]
 
 mod by_channel;
+mod by_crate;
 mod chunked;
 mod colour;
 mod decoder;

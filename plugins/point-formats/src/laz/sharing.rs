@@ -8,10 +8,11 @@ use std::io;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
+use super::by_crate::CrateLane;
 use super::chunked::ChunkedLane;
-use super::lanes::{Chunk, Incomplete, Lane, Pair, Progress, Taker};
+use super::lanes::{Chunk, Incomplete, Lane, Pair, Progress, RUN, Taker, one};
 use super::layered::LayeredLane;
-use super::layout::Layout;
+use super::layout::Format;
 
 /// Why not all chunks were fetched.
 #[derive(Debug)]
@@ -28,8 +29,10 @@ pub(crate) enum Ended<E> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     pub(crate) threads: usize,
-    /// Points that are being decompressed or wait to be fetched. One chunk may have more.
+    /// Points that are being decompressed or wait to be fetched.
     pub(crate) points: usize,
+    /// Points of a chunk that is fetched as a whole.
+    pub(crate) of_chunk: usize,
 }
 
 /// Decompresses chunks; `fetch` gets what `taker` made of each, in order, on this thread. What it gives back is used again.
@@ -37,26 +40,37 @@ pub(crate) struct Limits {
 /// # Errors
 /// [`Ended`]; all chunks before the one at fault have been fetched.
 pub(crate) fn decompress<T: Taker, E>(
-    layout: Layout,
+    format: &Format,
     chunks: Vec<Chunk<'_>>,
     limits: Limits,
     taker: &T,
     fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
 ) -> Result<(), Ended<E>> {
-    if layout.is_layered {
-        share::<LayeredLane<'_>, _, _>(layout, chunks, limits, taker, fetch)
-    } else {
-        share::<ChunkedLane<'_>, _, _>(layout, chunks, limits, taker, fetch)
+    let stride = format.stride();
+    match format {
+        Format::Own(layout) if layout.is_layered => {
+            share::<LayeredLane<'_>, _, _>(layout, stride, chunks, limits, taker, fetch)
+        }
+        Format::Own(layout) => {
+            share::<ChunkedLane<'_>, _, _>(layout, stride, chunks, limits, taker, fetch)
+        }
+        Format::Crate(items) => {
+            share::<CrateLane<'_>, _, _>(items, stride, chunks, limits, taker, fetch)
+        }
     }
 }
 
 fn share<'a, L: Lane<'a>, T: Taker, E>(
-    layout: Layout,
+    format: &L::Format,
+    stride: usize,
     chunks: Vec<Chunk<'a>>,
     limits: Limits,
     taker: &T,
     mut fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
 ) -> Result<(), Ended<E>> {
+    if chunks.iter().any(|chunk| chunk.count > limits.of_chunk) {
+        return in_parts::<L, T, E>(format, stride, &chunks, limits.of_chunk, taker, fetch);
+    }
     let counts: Vec<usize> = chunks.iter().map(|chunk| chunk.count).collect();
     let sharing = Sharing::<L, T::Piece> {
         most_ahead: limits.points,
@@ -79,7 +93,7 @@ fn share<'a, L: Lane<'a>, T: Taker, E>(
             only_by_panic: false,
         };
         for thread in 0..limits.threads.clamp(1, counts.len().max(1)) {
-            let work = || sharing.work(layout, taker);
+            let work = || sharing.work(format, stride, taker);
             match thread::Builder::new().spawn_scoped(scope, work) {
                 Err(error) if thread == 0 => return Err(Ended::NoThread(error)),
                 // Those that there are do all of it.
@@ -94,6 +108,46 @@ fn share<'a, L: Lane<'a>, T: Taker, E>(
         }
         Ok(())
     })
+}
+
+/// Decompresses chunks on this thread, each in parts of at most so many records, as one of them has more than are kept in memory.
+fn in_parts<'a, L: Lane<'a>, T: Taker, E>(
+    format: &L::Format,
+    stride: usize,
+    chunks: &[Chunk<'a>],
+    of_part: usize,
+    taker: &T,
+    mut fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
+) -> Result<(), Ended<E>> {
+    let mut records = vec![0; RUN * stride];
+    let mut piece = T::Piece::default();
+    for chunk in chunks {
+        let first = &mut records[..stride];
+        let lane = L::begin(format, chunk.input, first).map_err(Ended::Damaged)?;
+        let mut lane = [lane];
+        // Of the chunk; the first is there already.
+        let mut ready = 1;
+        for part in (0..chunk.count).step_by(of_part.max(1)) {
+            let count = of_part.max(1).min(chunk.count - part);
+            taker.begin(&mut piece, count);
+            let mut taken = 0;
+            while taken < count {
+                let run = RUN.min(count - taken);
+                let records = &mut records[..run * stride];
+                one(&mut lane, &mut records[ready * stride..], stride);
+                ready = 0;
+                taker.add(&mut piece, taken, records);
+                taken += run;
+            }
+            let [of_chunk] = &lane;
+            if !of_chunk.is_whole() {
+                return Err(Ended::Damaged(Incomplete));
+            }
+            let given_back = fetch(std::mem::take(&mut piece)).map_err(Ended::By)?;
+            piece = given_back.unwrap_or_default();
+        }
+    }
+    Ok(())
 }
 
 /// What the threads share.
@@ -145,12 +199,12 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
     }
 
     /// What one thread does.
-    fn work<T: Taker<Piece = P>>(&self, layout: Layout, taker: &T) {
+    fn work<T: Taker<Piece = P>>(&self, format: &L::Format, stride: usize, taker: &T) {
         let _stop = Stop {
             sharing: self,
             only_by_panic: true,
         };
-        let mut pair = Pair::new(layout, taker);
+        let mut pair = Pair::new(format, stride, taker);
         while self.supply(&mut pair) {
             pair.run(|progress, is_whole| {
                 let piece = if is_whole {
@@ -164,7 +218,7 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
     }
 
     /// Gives a thread what it lacks, or takes from it what another lacks; `false` when nothing is left to do.
-    fn supply<T: Taker<Piece = P>>(&self, pair: &mut Pair<'_, L, T>) -> bool {
+    fn supply<T: Taker<Piece = P>>(&self, pair: &mut Pair<'_, 'a, L, T>) -> bool {
         let mut state = self.lock();
         loop {
             if state.is_stopped {

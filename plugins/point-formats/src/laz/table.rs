@@ -1,69 +1,96 @@
 //! The chunks of a file.
-
-use std::io::{Cursor, Seek as _};
+//!
+//! The crate `laz` reads the table, too, but takes memory for as many chunks as it claims, which ends the program if there is
+//! not so much.
 
 use ::laz::LazVlr;
-use ::laz::laszip::ChunkTable;
 
+use super::decoder::Decoder;
+use super::integer::Integers;
 use super::lanes::{Chunk, Incomplete, Taker};
-use super::layout::Layout;
+use super::layout::Format;
 use super::sharing::{Ended, Limits, decompress};
 
+/// Bytes before the first chunk, which say where the table is.
+const PLACE_BYTES: usize = size_of::<i64>();
+/// Bytes of the table before its entries: a version, and the number of chunks.
+const HEAD_BYTES: usize = 8;
+/// Bytes of a file for each of its chunks at least. A chunk has a whole record, unless it is empty.
+const FEWEST_BYTES: usize = 8;
+/// How LASzip calls chunks of one stream and of many.
+const CHUNKED: [u16; 2] = [2, 3];
+
 /// The chunks of a file that hold its points.
+#[derive(Debug)]
 pub(crate) struct Chunks<'a> {
-    layout: Layout,
+    format: Format,
     list: Vec<Chunk<'a>>,
     /// Whether they hold as many points as they should.
     are_all: bool,
 }
 
 impl<'a> Chunks<'a> {
-    /// The chunks of a file of so many points, which begin at byte `start`; `None` where they are left to the crate `laz`, as
-    /// those of which one has more than `most_bytes` of records are.
+    /// The chunks of a file of so many points, which begin at byte `start`.
     ///
     /// # Errors
-    /// The table of chunks cannot be read.
+    /// They are not compressed in chunks, or nobody knows how, or there is no table of chunks.
     pub(crate) fn new(
         file: &'a [u8],
         start: u64,
         points: u64,
         description: &LazVlr,
-        most_bytes: u64,
-    ) -> ::laz::Result<Option<Self>> {
-        let Some(layout) = Layout::of(description.items()) else {
-            return Ok(None);
-        };
-        let mut source = Cursor::new(file);
-        source.set_position(start);
-        let table = ChunkTable::read_from(&mut source, description)?;
-        let most = most_bytes / layout.stride() as u64;
-        if table.as_ref().iter().any(|entry| entry.point_count > most) {
-            return Ok(None);
+    ) -> Result<Self, String> {
+        let format = Format::of(description.items())?;
+        let compressor = compressor_of(description);
+        if !CHUNKED.contains(&compressor) {
+            return Err(format!(
+                "compressor {compressor} makes no chunks, expected one of {CHUNKED:?}; compress it again with a newer program"
+            ));
         }
-        let at = usize::try_from(source.stream_position()?).unwrap_or(usize::MAX);
-        let mut rest = file.get(at..).unwrap_or_default();
-        let (mut chunks, mut left) = (Vec::new(), points);
-        for entry in table.as_ref() {
-            // The last one of a file of equal chunks claims as many points as the others.
-            let count = entry.point_count.min(left);
-            let input = usize::try_from(entry.byte_count)
-                .ok()
-                .and_then(|bytes| rest.split_at_checked(bytes));
-            let Some((input, behind)) = input else {
+        let start = usize::try_from(start).unwrap_or(usize::MAX);
+        let missing = || "there is no table of chunks".to_owned();
+        let table = table_of(file, start).ok_or_else(missing)?;
+        let (number, entries) = table.split_at_checked(HEAD_BYTES).ok_or_else(missing)?;
+        let number = number
+            .last_chunk()
+            .map_or(0, |number| u32::from_le_bytes(*number));
+        if number as usize > file.len() / FEWEST_BYTES {
+            return Err(format!(
+                "it claims {number} chunks, which no file of its length can hold"
+            ));
+        }
+        let mut entries = Entries {
+            decoder: Decoder::new(entries),
+            numbers: Integers::new(32, 2),
+            count: 0,
+            bytes: 0,
+        };
+        let mut rest = file
+            .get(start.saturating_add(PLACE_BYTES)..)
+            .unwrap_or_default();
+        let (mut list, mut left) = (Vec::new(), points);
+        let equal = (!description.uses_variable_size_chunks()).then(|| description.chunk_size());
+        for _ in 0..number {
+            let Some((count, bytes)) = entries.next(equal) else {
+                break;
+            };
+            let Some((input, behind)) = rest.split_at_checked(bytes) else {
                 break;
             };
             rest = behind;
+            // The last one of equal chunks has fewer points than the others.
+            let count = u64::from(count).min(left);
             left -= count;
             if count > 0 {
                 let count = count as usize;
-                chunks.push(Chunk { input, count });
+                list.push(Chunk { input, count });
             }
         }
-        Ok(Some(Self {
-            layout,
-            list: chunks,
+        Ok(Self {
+            format,
+            list,
             are_all: left == 0,
-        }))
+        })
     }
 
     /// Decompresses them; see [`decompress`].
@@ -76,11 +103,61 @@ impl<'a> Chunks<'a> {
         taker: &T,
         fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
     ) -> Result<(), Ended<E>> {
-        decompress(self.layout, self.list, limits, taker, fetch)?;
+        decompress(&self.format, self.list, limits, taker, fetch)?;
         if self.are_all {
             Ok(())
         } else {
             Err(Ended::Damaged(Incomplete))
         }
+    }
+}
+
+/// The number of the compressor, of which the crate does not tell.
+fn compressor_of(description: &LazVlr) -> u16 {
+    let mut bytes = Vec::new();
+    match description.write_to(&mut bytes) {
+        Ok(()) => bytes
+            .first_chunk()
+            .map_or(0, |first| u16::from_le_bytes(*first)),
+        Err(_) => 0,
+    }
+}
+
+/// The table of chunks of points that begin at a byte, and what follows it. Where it is stands before the first chunk, or at
+/// the end of the file if the writer could not go back.
+fn table_of(file: &[u8], start: usize) -> Option<&[u8]> {
+    let before = file.get(start..)?.first_chunk::<PLACE_BYTES>()?;
+    let places = [before, file.last_chunk()?].map(|place| i64::from_le_bytes(*place));
+    let mut places = places
+        .into_iter()
+        .filter_map(|place| usize::try_from(place).ok());
+    file.get(places.find(|place| *place > start)?..)
+}
+
+/// The entries of a table.
+struct Entries<'a> {
+    decoder: Decoder<'a>,
+    numbers: Integers,
+    count: i32,
+    bytes: i32,
+}
+
+impl Entries<'_> {
+    /// Points and bytes of the next chunk; `equal` are the points of each, where they are not in the table. `None` if there is no
+    /// entry, or it is damaged.
+    fn next(&mut self, equal: Option<u32>) -> Option<(u32, usize)> {
+        const COUNT_CONTEXT: usize = 0;
+        const BYTES_CONTEXT: usize = 1;
+        if equal.is_none() {
+            self.count = self
+                .numbers
+                .read(&mut self.decoder, self.count, COUNT_CONTEXT);
+        }
+        self.bytes = self
+            .numbers
+            .read(&mut self.decoder, self.bytes, BYTES_CONTEXT);
+        let count = equal.or_else(|| u32::try_from(self.count).ok())?;
+        let bytes = usize::try_from(self.bytes).ok()?;
+        self.decoder.is_whole().then_some((count, bytes))
     }
 }

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use ::laz::{LasZipCompressor, LazItem, LazItemRecordBuilder, LazItemType, LazVlr, LazVlrBuilder};
 
 use super::lanes::{Chunk, Incomplete, Taker};
-use super::layout::Layout;
+use super::layout::{Format, Layout};
 use super::sharing::{Ended, Limits, decompress};
 use super::table::Chunks;
 
@@ -38,11 +38,24 @@ enum Kind {
     Noise,
 }
 
-const KINDS: [Kind; 4] = [Kind::Constant, Kind::Walk, Kind::Scan, Kind::Noise];
+/// The kinds that the crate can compress: it subtracts places of waves, which must not go back.
+fn kinds(items: &[LazItem]) -> Vec<Kind> {
+    let is_wave = |item: &LazItem| {
+        let of = item.item_type();
+        matches!(of, LazItemType::WavePacket13 | LazItemType::WavePacket14)
+    };
+    if items.iter().any(is_wave) {
+        vec![Kind::Constant]
+    } else {
+        vec![Kind::Constant, Kind::Walk, Kind::Scan, Kind::Noise]
+    }
+}
 
-/// The items of all layouts that are ours, with their versions.
+/// The items of all layouts that are ours, with their versions, then of some that are not.
 fn layouts() -> Vec<Vec<LazItem>> {
-    use LazItemType::{Byte, Byte14, GpsTime, Point10, Point14, RGB12, RGB14, RGBNIR14};
+    use LazItemType::{
+        Byte, Byte14, GpsTime, Point10, Point14, RGB12, RGB14, RGBNIR14, WavePacket13, WavePacket14,
+    };
     [
         &[Point10][..],
         &[Point10, GpsTime],
@@ -55,6 +68,10 @@ fn layouts() -> Vec<Vec<LazItem>> {
         &[Point14, RGBNIR14],
         &[Point14, Byte14(3)],
         &[Point14, RGBNIR14, Byte14(64)],
+        &[Point10, Byte(65)],
+        &[Point10, GpsTime, WavePacket13],
+        &[Point14, RGB14, WavePacket14],
+        &[Point14, Byte14(65)],
     ]
     .map(items)
     .to_vec()
@@ -171,16 +188,13 @@ fn read(
     limits: Limits,
 ) -> Result<Vec<u8>, Incomplete> {
     let stride = description.items_size() as usize;
-    let chunks = Chunks::new(file, 0, count, description, 1 << 24);
+    let chunks = Chunks::new(file, 0, count, description).unwrap();
     let mut all = Vec::new();
     let fetch = |piece: Vec<u8>| {
         all.extend_from_slice(&piece);
         Ok::<_, Never>(Some(piece))
     };
-    let ended = chunks
-        .unwrap()
-        .unwrap()
-        .decompress(limits, &Plain { stride }, fetch);
+    let ended = chunks.decompress(limits, &Plain { stride }, fetch);
     ended.map(|()| all).map_err(incomplete)
 }
 
@@ -198,14 +212,18 @@ fn incomplete(ended: Ended<Never>) -> Incomplete {
 
 /// So many threads, and so many points ahead.
 fn limits(threads: usize, points: usize) -> Limits {
-    Limits { threads, points }
+    Limits {
+        threads,
+        points,
+        of_chunk: 1 << 20,
+    }
 }
 
 #[test]
 fn what_was_compressed_comes_out() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for items in layouts() {
-        for kind in KINDS {
+        for kind in kinds(&items) {
             for (count, sizes) in [
                 (1, &[50][..]),
                 (700, &[50_000]),
@@ -215,8 +233,12 @@ fn what_was_compressed_comes_out() {
             ] {
                 let wanted = records(kind, &items, count, &mut random);
                 let (file, description) = compressed(&items, &wanted, sizes);
-                // One after the other, in pairs, and by many threads of which some find nothing.
-                for limits in [limits(1, 1), limits(1, 1 << 20), limits(5, 600)] {
+                // One after the other, in pairs, by many threads of which some find nothing, and in parts.
+                let in_parts = Limits {
+                    of_chunk: 7,
+                    ..limits(1, 1)
+                };
+                for limits in [limits(1, 1), limits(1, 1 << 20), limits(5, 600), in_parts] {
                     let found = read(&file, &description, count as u64, limits);
                     let same = found.as_ref() == Ok(&wanted);
                     assert!(same, "{items:?} {kind:?} {count} {sizes:?} {limits:?}");
@@ -243,8 +265,13 @@ fn damage_is_found_or_survived() {
     let mut random = Random(3);
     for items in layouts() {
         let stride = stride(&items);
-        let layout = Layout::of(&items).unwrap();
-        let wanted = records(Kind::Scan, &items, 400, &mut random);
+        let format = Format::of(&items).unwrap();
+        let kind = if kinds(&items).len() > 1 {
+            Kind::Scan
+        } else {
+            Kind::Constant
+        };
+        let wanted = records(kind, &items, 400, &mut random);
         let (file, description) = compressed(&items, &wanted, &[400]);
         let table = ::laz::laszip::ChunkTable::read_from(Cursor::new(&file), &description).unwrap();
         let bytes = table.as_ref()[0].byte_count as usize;
@@ -256,7 +283,7 @@ fn damage_is_found_or_survived() {
                 Ok::<_, Never>(None)
             };
             let chunks = vec![Chunk { input, count }];
-            let ended = decompress(layout, chunks, limits(1, 1), &Plain { stride }, fetch);
+            let ended = decompress(&format, chunks, limits(1, 1), &Plain { stride }, fetch);
             ended.map(|()| output).map_err(incomplete)
         };
         assert!(decompressed(whole, 400) == Ok(wanted), "{items:?}");
@@ -297,11 +324,7 @@ fn it_ends_early_when_it_must() {
     let items = items(&[LazItemType::Point10]);
     let wanted = records(Kind::Walk, &items, 9000, &mut Random(5));
     let (file, description) = compressed(&items, &wanted, &[100]);
-    let chunks = || {
-        Chunks::new(&file, 0, 9000, &description, 1 << 24)
-            .unwrap()
-            .unwrap()
-    };
+    let chunks = || Chunks::new(&file, 0, 9000, &description).unwrap();
     for threads in [1, 4] {
         let limits = limits(threads, 1000);
         let mut fetched = 0;
@@ -332,30 +355,43 @@ fn it_ends_early_when_it_must() {
 }
 
 #[test]
-fn other_items_and_long_chunks_are_left_to_the_crate() {
-    use LazItemType::{Byte, Byte14, Point10, Point14, WavePacket13, WavePacket14};
-    for types in [
-        &[Point10, Byte(65)][..],
-        &[Point10, WavePacket13],
-        &[Point14, WavePacket14],
-        &[Point14, Byte14(65)],
-    ] {
-        assert_eq!(Layout::of(&items(types)), None, "{types:?}");
+fn other_items_are_left_to_the_crate() {
+    let is_own = |items: &Vec<LazItem>| Layout::of(items).is_some();
+    let (own, others): (Vec<_>, Vec<_>) = layouts().into_iter().partition(is_own);
+    assert_eq!((own.len(), others.len()), (11, 4));
+    let too_many = items(&[LazItemType::Point10, LazItemType::Byte(5000)]);
+    let problem = Format::of(&too_many).map(|_| ()).unwrap_err();
+    assert!(problem.contains("5000 extra bytes"), "{problem}");
+}
+
+/// The crate would take memory for all chunks that are claimed.
+#[test]
+fn a_table_of_more_chunks_than_the_file_can_hold_is_refused() {
+    let items = items(&[LazItemType::Point10]);
+    let wanted = records(Kind::Scan, &items, 900, &mut Random(5));
+    for sizes in [&[300_u32][..], &[300, 200]] {
+        let (file, description) = compressed(&items, &wanted, sizes);
+        let table = u64::from_le_bytes(*file.first_chunk().unwrap()) as usize;
+        let chunks = |file: &[u8]| {
+            let chunks = Chunks::new(file, 0, 900, &description);
+            chunks.map(|_| ())
+        };
+        assert_eq!(chunks(&file), Ok(()));
+        let mut claims = file.clone();
+        claims[table + 4..table + 8].fill(0xFF);
+        let problem = chunks(&claims).unwrap_err();
+        assert!(problem.contains("4294967295 chunks"), "{problem}");
+        let problem = chunks(&file[..table + 5]).unwrap_err();
+        assert!(problem.contains("no table"), "{problem}");
+        // A place at the end, as of a writer that could not go back.
+        let mut at_end = file.clone();
+        at_end[..8].fill(0xFF);
+        at_end.extend((table as u64).to_le_bytes());
+        assert_eq!(
+            read(&at_end, &description, 900, limits(1, 1000)),
+            Ok(wanted.clone())
+        );
+        at_end.truncate(file.len());
+        assert!(chunks(&at_end).is_err() || at_end[at_end.len() - 8..] != [0; 8]);
     }
-    let items = items(&[Point10]);
-    let (file, description) = compressed(
-        &items,
-        &records(Kind::Walk, &items, 10, &mut Random(1)),
-        &[400],
-    );
-    assert!(
-        Chunks::new(&file, 0, 10, &description, 400 * 20)
-            .unwrap()
-            .is_some()
-    );
-    assert!(
-        Chunks::new(&file, 0, 10, &description, 399 * 20)
-            .unwrap()
-            .is_none()
-    );
 }
