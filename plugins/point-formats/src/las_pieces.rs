@@ -28,7 +28,7 @@ impl Taker for Plan<'_> {
         for (column, width) in piece.columns.iter_mut().zip(self.widths()) {
             let length = count * width;
             if column.capacity() < length {
-                // Zeros of the system's, which nobody writes.
+                // Zeros that the system gives, which nobody need write.
                 *column = vec![0; length];
             } else {
                 column.resize(length, 0);

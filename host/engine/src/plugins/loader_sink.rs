@@ -22,8 +22,7 @@ const READING: f32 = 0.35;
 const LONGEST_TEXT: usize = 400;
 /// Different warnings that are kept of one load.
 const MOST_WARNINGS: usize = 64;
-/// Memory taken for surfels that are only announced yet, beyond twice the length of the file: a header may claim any number. What
-/// goes to an object's blocks at once takes that of one block besides.
+/// Memory taken for surfels that are only announced yet, beyond twice the length of the file: a header may claim any number.
 const MOST_RESERVED_BYTES: u64 = 32 << 20;
 /// Surfels copied between two looks at the cancel flag take a few milliseconds: a plugin may hand over all at once.
 const ROWS_AT_ONCE: u64 = 1 << 18;

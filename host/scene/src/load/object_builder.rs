@@ -120,9 +120,9 @@ impl ObjectBuilder {
         self.columns.scale_positions(scale)
     }
 
-    /// Makes room for surfels that are announced, in memory of `most_bytes` at most, and that of one block of an object; a hint,
-    /// of which no more is believed than a few million at once. Without effect once some have come. Positions that are scaled
-    /// take less memory if their scale was given before.
+    /// Makes room for surfels that are announced, in memory of `most_bytes` at most; a hint, of which no more is believed than a
+    /// few million at once. Without effect once some have come. Positions that are scaled take less memory if their scale was given
+    /// before.
     pub fn reserve(&mut self, rows: u64, most_bytes: u64) {
         self.columns.reserve(rows, most_bytes);
     }
