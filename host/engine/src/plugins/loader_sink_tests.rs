@@ -1,5 +1,5 @@
 use super::*;
-use pointstage_scene::{Estimation, LoadOptions};
+use pointstage_scene::{Contents, Estimation, LoadOptions};
 
 const POSITION: LoadColumnRecord<'static> = LoadColumnRecord {
     role: BorderRole::POSITION,
@@ -18,6 +18,15 @@ fn rows<'a>(count: u64, columns: &'a [RSlice<'a, u8>]) -> LoadRowsRecord<'a> {
         count,
         columns: RSlice::from_slice(columns),
     }
+}
+
+/// What was handed over, with nothing estimated.
+fn contents_of(sink: Sink<'_>, job: &Job) -> Contents {
+    let options = LoadOptions {
+        estimation: Estimation::FileOnly,
+        ..LoadOptions::default()
+    };
+    sink.into_builder().unwrap().finish(&options, job).unwrap()
 }
 
 #[test]
@@ -41,11 +50,7 @@ fn columns_polygons_and_warnings_become_an_object() {
     border.warn("a strange record".into(), 2);
     border.warn("a strange record".into(), 3);
     drop(border);
-    let options = LoadOptions {
-        estimation: Estimation::FileOnly,
-        ..LoadOptions::default()
-    };
-    let contents = sink.into_builder().unwrap().finish(&options, &job).unwrap();
+    let contents = contents_of(sink, &job);
     assert_eq!(contents.geometry.surfel_count, 4);
     assert_eq!(contents.geometry.triangles.unwrap().len(), 3);
     let kind = WarningKind::Other("a strange record".into());
@@ -161,11 +166,7 @@ fn whole_numbers_stand_for_positions() {
         .collect();
     border.rows(&rows(2, &[bytes.as_slice().into()])).unwrap();
     drop(border);
-    let options = LoadOptions {
-        estimation: Estimation::FileOnly,
-        ..LoadOptions::default()
-    };
-    let contents = sink.into_builder().unwrap().finish(&options, &job).unwrap();
+    let contents = contents_of(sink, &job);
     let bounds = contents.geometry.bounds;
     let (low, high) = (contents.origin + bounds.min, contents.origin + bounds.max);
     let expected = [599_999.96, 0.02, -4.97, 600_000.01, 5.0, -4.94];
@@ -196,11 +197,7 @@ fn a_loader_that_begins_again_leaves_nothing_of_before() {
     border.columns([POSITION][..].into(), 2).unwrap();
     border.rows(&rows(2, &[[0; 24][..].into()])).unwrap();
     drop(border);
-    let options = LoadOptions {
-        estimation: Estimation::FileOnly,
-        ..LoadOptions::default()
-    };
-    let contents = sink.into_builder().unwrap().finish(&options, &job).unwrap();
+    let contents = contents_of(sink, &job);
     assert_eq!(contents.geometry.surfel_count, 2);
     assert!(contents.geometry.bounds.size() == glam::DVec3::ZERO && contents.warnings.is_empty());
 }
