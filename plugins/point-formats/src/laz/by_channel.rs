@@ -1,12 +1,15 @@
 //! Which models and which last value are used, by scanner channel, of the items that follow POINT14.
 
+use super::layout::Version;
+
 /// Scanner channels.
 pub(super) const CHANNELS: usize = 4;
 
 /// Models and last values of an item.
 ///
-/// LASzip's version 3 has two oddities: unless the scanner channel changes at this very point, the models are those of channel 0,
-/// and where the channel had points before, its models go on from the value of the point before, not from its own.
+/// LASzip's version 3 has two oddities: unless the scanner channel changes at this very point, the models are those of channel 0
+/// (so whoever calls [`Self::enter`] says), and where the channel had points before, its models go on from the value of the point
+/// before, not from its own. Version 4 has neither.
 pub(super) struct ByChannel<M, V> {
     models: [Option<Box<M>>; CHANNELS],
     last: [V; CHANNELS],
@@ -14,11 +17,12 @@ pub(super) struct ByChannel<M, V> {
     channel: usize,
     /// Of the value.
     last_channel: usize,
+    version: Version,
 }
 
 impl<M, V: Clone> ByChannel<M, V> {
     /// After the first value of a chunk.
-    pub(super) fn new(channel: usize, first: &V, models: M) -> Self {
+    pub(super) fn new(version: Version, channel: usize, first: &V, models: M) -> Self {
         let mut all = [const { None }; CHANNELS];
         all[channel] = Some(Box::new(models));
         Self {
@@ -26,10 +30,11 @@ impl<M, V: Clone> ByChannel<M, V> {
             last: std::array::from_fn(|_| first.clone()),
             channel,
             last_channel: channel,
+            version,
         }
     }
 
-    /// Goes on to the next point; `channel` is 0 unless the scanner channel changes.
+    /// Goes on to the next point.
     #[inline(always)]
     pub(super) fn enter(&mut self, channel: usize, new: impl FnOnce() -> M) {
         self.last_channel = self.channel;
@@ -38,6 +43,9 @@ impl<M, V: Clone> ByChannel<M, V> {
             if self.models[channel].is_none() {
                 self.models[channel] = Some(Box::new(new()));
                 self.last[channel] = self.last[self.last_channel].clone();
+                self.last_channel = channel;
+            }
+            if self.version == Version::Fourth {
                 self.last_channel = channel;
             }
         }

@@ -1,4 +1,4 @@
-//! Chunks of the point formats 0 to 3, with extra bytes or without: the first record as it is, then one stream of all fields of all points.
+//! Chunks of the point formats 0 to 5: the first record as it is, then one stream of all fields of all points.
 
 use super::colour::{self, Colours};
 use super::decoder::Decoder;
@@ -8,6 +8,7 @@ use super::lanes::{Incomplete, Lane};
 use super::layout::Layout;
 use super::model::Symbols;
 use super::point10::Points;
+use super::wave::{self, Waves};
 
 /// Bytes of a time.
 const TIME_BYTES: usize = size_of::<f64>();
@@ -21,14 +22,14 @@ pub(super) struct ChunkedLane<'a> {
     colour: [u8; colour::BYTES],
     /// Bytes of a record before its colour.
     colour_at: usize,
+    waves: Option<Waves>,
+    wave: [u8; wave::BYTES],
     extra_bytes: Vec<u8>,
     /// Of each extra byte.
     extra_models: Vec<Symbols>,
 }
 
 impl<'a> Lane<'a> for ChunkedLane<'a> {
-    type Format = Layout;
-
     fn begin(layout: &Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
         let (record, stream) = input.split_at_checked(first.len()).ok_or(Incomplete)?;
         first.copy_from_slice(record);
@@ -43,6 +44,7 @@ impl<'a> Lane<'a> for ChunkedLane<'a> {
         let (others, extra_bytes) = fields
             .split_at_checked(fields.len().saturating_sub(extra_count))
             .ok_or(Incomplete)?;
+        let wave = others.last_chunk().copied();
         Ok(Self {
             decoder: Decoder::new(stream),
             points: Points::new(point),
@@ -50,6 +52,8 @@ impl<'a> Lane<'a> for ChunkedLane<'a> {
             colours: layout.has_colour.then(Colours::new),
             colour: others.first_chunk().copied().unwrap_or_default(),
             colour_at: record.len() - fields.len(),
+            waves: layout.has_wave.then(Waves::new),
+            wave: wave.unwrap_or([0; wave::BYTES]),
             extra_bytes: extra_bytes.to_vec(),
             extra_models: vec![Symbols::new(256); extra_count],
         })
@@ -71,6 +75,9 @@ impl<'a> Lane<'a> for ChunkedLane<'a> {
             }
         }
         for (lane, record) in lanes.iter_mut().zip(records) {
+            if lane.waves.is_some() {
+                lane.read_wave(record);
+            }
             if !lane.extra_bytes.is_empty() {
                 lane.read_extra_bytes(record);
             }
@@ -113,6 +120,16 @@ impl ChunkedLane<'_> {
             && let Some(out) = fields.first_chunk_mut::<TIME_BYTES>()
         {
             *out = times.next(&mut self.decoder).to_le_bytes();
+        }
+    }
+
+    fn read_wave(&mut self, record: &mut [u8]) {
+        if let Some(waves) = &mut self.waves {
+            waves.read(&mut self.decoder, &mut self.wave);
+        }
+        let end = record.len() - self.extra_bytes.len();
+        if let Some(out) = record[..end].last_chunk_mut() {
+            *out = self.wave;
         }
     }
 

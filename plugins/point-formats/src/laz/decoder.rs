@@ -159,6 +159,12 @@ impl<'a> Decoder<'a> {
         number
     }
 
+    /// A number of 64 bits that no model foretells.
+    pub(super) fn full(&mut self) -> i64 {
+        let lower = i64::from(self.bits(32));
+        i64::from(self.bits(32)) << 32 | lower
+    }
+
     #[cold]
     #[inline(never)]
     fn many_bits(&mut self, bits: u32) -> u32 {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::layout::Layout;
+
 /// A chunk that ends before its records do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Incomplete;
@@ -22,11 +24,8 @@ pub(crate) struct Chunk<'a> {
 
 /// A chunk that is being decompressed.
 pub(super) trait Lane<'a>: Sized + Send {
-    /// What records consist of.
-    type Format: Sync;
-
     /// Begins a chunk and writes its first record.
-    fn begin(format: &Self::Format, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
+    fn begin(layout: &Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
 
     /// Writes the next record of each lane.
     fn next<const LANES: usize>(lanes: &mut [Self; LANES], records: [&mut [u8]; LANES]);
@@ -60,9 +59,9 @@ pub(super) struct Progress<P> {
 }
 
 /// The lanes of one thread, two at most.
-pub(super) struct Pair<'t, 'a, L: Lane<'a>, T: Taker> {
+pub(super) struct Pair<'t, L, T: Taker> {
     taker: &'t T,
-    format: &'t L::Format,
+    layout: &'t Layout,
     stride: usize,
     // Side by side, as `Lane::next` wants them.
     lanes: Vec<L>,
@@ -70,12 +69,13 @@ pub(super) struct Pair<'t, 'a, L: Lane<'a>, T: Taker> {
     records: [Vec<u8>; 2],
 }
 
-impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, 'a, L, T> {
-    pub(super) fn new(format: &'t L::Format, stride: usize, taker: &'t T) -> Self {
+impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
+    pub(super) fn new(layout: &'t Layout, taker: &'t T) -> Self {
+        let stride = layout.stride();
         let records = || vec![0; RUN * stride];
         Self {
             taker,
-            format,
+            layout,
             stride,
             lanes: Vec::with_capacity(2),
             progress: Vec::with_capacity(2),
@@ -100,7 +100,7 @@ impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, 'a, L, T> {
     ) -> Result<(), Incomplete> {
         let [records, _] = &mut self.records;
         let first = &mut records[..self.stride];
-        let lane = L::begin(self.format, chunk.input, first)?;
+        let lane = L::begin(self.layout, chunk.input, first)?;
         self.taker.begin(&mut piece, chunk.count);
         self.taker.add(&mut piece, 0, first);
         self.push((

@@ -6,9 +6,10 @@ use super::decoder::Decoder;
 use super::infrared::{self, Infrared};
 use super::integer;
 use super::lanes::{Incomplete, Lane};
-use super::layout::Layout;
+use super::layout::{Layout, Version};
 use super::model::Symbols;
 use super::point14::{Channel, Point};
+use super::wave::{self, Waves};
 
 /// Streams of a point.
 const POINT_STREAMS: usize = 9;
@@ -29,14 +30,14 @@ pub(super) struct LayeredLane<'a> {
     channel: Box<Channel>,
     /// Those that had points before.
     others: [Option<Box<Channel>>; CHANNELS],
-    colours: Option<LayeredColours<'a>>,
-    infrared: Option<LayeredInfrared<'a>>,
+    version: Version,
+    colours: Option<Layer<'a, Colours, { colour::BYTES }>>,
+    infrared: Option<Layer<'a, Infrared, { infrared::BYTES }>>,
+    waves: Option<Layer<'a, Waves, { wave::BYTES }>>,
     extra_bytes: Option<LayeredBytes<'a>>,
 }
 
 impl<'a> Lane<'a> for LayeredLane<'a> {
-    type Format = Layout;
-
     fn begin(layout: &Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
         let (record, streams) = input.split_at_checked(first.len()).ok_or(Incomplete)?;
         first.copy_from_slice(record);
@@ -49,6 +50,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
         let stream_count = POINT_STREAMS
             + usize::from(layout.has_colour)
             + usize::from(layout.has_infrared)
+            + usize::from(layout.has_wave)
             + extra_count;
         let (sizes, mut rest) = sizes.split_at_checked(4 * stream_count).ok_or(Incomplete)?;
         let (sizes, _) = sizes.as_chunks();
@@ -71,25 +73,42 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             time: stream()?,
             channel: Box::new(Channel::after(&point)),
             others: [const { None }; CHANNELS],
+            version: layout.version,
             colours: None,
             infrared: None,
+            waves: None,
             extra_bytes: None,
         };
+        let version = layout.version;
         if layout.has_colour {
-            let (first, rest) = fields.split_first_chunk().ok_or(Incomplete)?;
-            fields = rest;
-            lane.colours = Some(LayeredColours {
-                decoder: stream()?,
-                channels: ByChannel::new(channel, first, Colours::new()),
-            });
+            let models = Colours::new();
+            lane.colours = Some(Layer::new(
+                version,
+                channel,
+                stream()?,
+                &mut fields,
+                models,
+            )?);
         }
         if layout.has_infrared {
-            let (first, rest) = fields.split_first_chunk().ok_or(Incomplete)?;
-            fields = rest;
-            lane.infrared = Some(LayeredInfrared {
-                decoder: stream()?,
-                channels: ByChannel::new(channel, first, Infrared::new()),
-            });
+            let models = Infrared::new();
+            lane.infrared = Some(Layer::new(
+                version,
+                channel,
+                stream()?,
+                &mut fields,
+                models,
+            )?);
+        }
+        if layout.has_wave {
+            let models = Waves::new();
+            lane.waves = Some(Layer::new(
+                version,
+                channel,
+                stream()?,
+                &mut fields,
+                models,
+            )?);
         }
         if extra_count > 0 {
             let models = LayeredBytes::models(extra_count);
@@ -98,7 +117,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
                 .collect::<Result<_, _>>()?;
             lane.extra_bytes = Some(LayeredBytes {
                 decoders,
-                channels: ByChannel::new(channel, &fields.to_vec(), models),
+                channels: ByChannel::new(version, channel, &fields.to_vec(), models),
             });
         }
         Ok(lane)
@@ -124,6 +143,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
     fn is_whole(&self) -> bool {
         let colour = self.colours.as_ref();
         let infrared = self.infrared.as_ref();
+        let waves = self.waves.as_ref();
         let extra_bytes = self.extra_bytes.iter().flat_map(|bytes| &bytes.decoders);
         let streams = [
             Some(&self.decoder),
@@ -137,6 +157,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             self.time.as_ref(),
             colour.and_then(|colours| colours.decoder.as_ref()),
             infrared.and_then(|infrared| infrared.decoder.as_ref()),
+            waves.and_then(|waves| waves.decoder.as_ref()),
         ];
         let mut streams = streams.into_iter().flatten();
         streams.all(Decoder::is_whole) && extra_bytes.flatten().all(Decoder::is_whole)
@@ -151,7 +172,7 @@ impl LayeredLane<'_> {
             if let Some(channel) = entered {
                 lane.enter(channel);
             }
-            lane.enter_fields(entered.unwrap_or_default());
+            lane.enter_fields(entered);
             lane.channel.read_x_size(&mut lane.decoder);
         }
         integer::read_numbers(lanes, |lane| Some((&mut lane.decoder, &mut lane.channel.x)));
@@ -188,12 +209,19 @@ impl LayeredLane<'_> {
 
     /// Lets the items behind the point go on to the next.
     #[inline(always)]
-    fn enter_fields(&mut self, channel: usize) {
+    fn enter_fields(&mut self, entered: Option<usize>) {
+        let channel = match self.version {
+            Version::Fourth => self.channel.point.channel(),
+            _ => entered.unwrap_or_default(),
+        };
         if let Some(colours) = &mut self.colours {
             colours.channels.enter(channel, Colours::new);
         }
         if let Some(infrared) = &mut self.infrared {
             infrared.channels.enter(channel, Infrared::new);
+        }
+        if let Some(waves) = &mut self.waves {
+            waves.channels.enter(channel, Waves::new);
         }
         if let Some(bytes) = &mut self.extra_bytes {
             let count = bytes.decoders.len();
@@ -241,10 +269,10 @@ impl LayeredLane<'_> {
         if let Some(decoder) = &mut self.time {
             channel.read_time(decoder);
         }
-        if let Some(infrared) = &mut self.infrared
-            && let Some(decoder) = &mut infrared.decoder
-            && let Some((models, value)) = infrared.channels.parts()
-        {
+        if let Some((decoder, models, value)) = self.infrared.as_mut().and_then(Layer::parts) {
+            models.read(decoder, value);
+        }
+        if let Some((decoder, models, value)) = self.waves.as_mut().and_then(Layer::parts) {
             models.read(decoder, value);
         }
         if let Some(bytes) = &mut self.extra_bytes {
@@ -268,6 +296,9 @@ impl LayeredLane<'_> {
         if let Some(infrared) = &self.infrared {
             put(infrared.channels.value());
         }
+        if let Some(waves) = &self.waves {
+            put(waves.channels.value());
+        }
         if let Some(bytes) = &self.extra_bytes {
             put(bytes.channels.value());
         }
@@ -276,7 +307,7 @@ impl LayeredLane<'_> {
     #[inline(always)]
     fn read_colours<const LANES: usize>(lanes: &mut [Self; LANES]) {
         for lane in &mut *lanes {
-            if let Some((decoder, colours, last)) = lane.colours.as_mut().and_then(|c| c.parts()) {
+            if let Some((decoder, colours, last)) = lane.colours.as_mut().and_then(Layer::parts) {
                 colours.read_change(decoder, *last);
             }
         }
@@ -285,32 +316,42 @@ impl LayeredLane<'_> {
             Some((decoder, colours))
         });
         for lane in lanes {
-            if let Some((_, colours, last)) = lane.colours.as_mut().and_then(|c| c.parts()) {
+            if let Some((_, colours, last)) = lane.colours.as_mut().and_then(Layer::parts) {
                 *last = colours.colour();
             }
         }
     }
 }
 
-/// Colours of the item RGB14.
-struct LayeredColours<'a> {
+/// An item behind the point.
+struct Layer<'a, M, const BYTES: usize> {
     decoder: Option<Decoder<'a>>,
-    channels: ByChannel<Colours, [u8; colour::BYTES]>,
+    channels: ByChannel<M, [u8; BYTES]>,
 }
 
-impl<'a> LayeredColours<'a> {
-    /// The stream, the models, and the colour before.
+impl<'a, M, const BYTES: usize> Layer<'a, M, BYTES> {
+    /// Takes its value of the first point from what follows of the record.
+    fn new(
+        version: Version,
+        channel: usize,
+        decoder: Option<Decoder<'a>>,
+        fields: &mut &[u8],
+        models: M,
+    ) -> Result<Self, Incomplete> {
+        let (first, rest) = fields.split_first_chunk().ok_or(Incomplete)?;
+        *fields = rest;
+        Ok(Self {
+            decoder,
+            channels: ByChannel::new(version, channel, first, models),
+        })
+    }
+
+    /// The stream, the models, and the value before.
     #[inline(always)]
-    fn parts(&mut self) -> Option<(&mut Decoder<'a>, &mut Colours, &mut [u8; colour::BYTES])> {
+    fn parts(&mut self) -> Option<(&mut Decoder<'a>, &mut M, &mut [u8; BYTES])> {
         let (models, last) = self.channels.parts()?;
         Some((self.decoder.as_mut()?, models, last))
     }
-}
-
-/// Near infrared of the item RGBNIR14.
-struct LayeredInfrared<'a> {
-    decoder: Option<Decoder<'a>>,
-    channels: ByChannel<Infrared, [u8; infrared::BYTES]>,
 }
 
 /// Extra bytes: the item BYTE14, of which each byte has a stream.

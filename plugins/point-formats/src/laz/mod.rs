@@ -1,4 +1,4 @@
-//! Decompression of LAZ, about twice as fast as by the crate `laz`, for the layouts that most files have.
+//! Decompression of LAZ, about twice as fast as by the crate `laz`, which damaged data could make panic or overflow its stack.
 //!
 //! A LAZ file is a row of chunks, each of which begins afresh: its first record lies there as it is, all others are differences
 //! from what the records before foretell, packed by an adaptive arithmetic coder (Isenburg, *LASzip: lossless compression of LiDAR
@@ -6,14 +6,14 @@
 //! a processor waits most of the time. So each thread decompresses two chunks at once, in lockstep ([`lanes`]): the steps of one
 //! fill the waits of the other, as long as no branch depends on what is read ([`decoder`], [`model`]).
 //!
-//! * [`table`]: the chunks of a file; [`layout`]: which records, the others are left to the crate `laz`, by [`by_crate`]
+//! * [`table`]: the chunks of a file; [`layout`]: what its records consist of
 //! * [`sharing`]: chunks to threads, and what comes of them in order; [`lanes`]: two at once on each thread
-//! * [`chunked`]: one stream of all fields, of [`point10`], [`gps_time`] and [`colour`]
-//! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`] and [`infrared`] ([`by_channel`])
+//! * [`chunked`]: one stream of all fields, of [`point10`], [`gps_time`], [`colour`] and [`wave`]; [`version1`]: of old files
+//! * [`layered`]: a stream for each field of a point ([`point14`]), and of its [`colour`], [`infrared`] and [`wave`] ([`by_channel`])
 //! * [`integer`], [`median`]: numbers and what foretells them
 //! * [`model`], [`decoder`]: the arithmetic coder
 //!
-//! Bytes are the same as those of `laz`, also where LASzip has oddities; so the tests compare them.
+//! Bytes are the same as those of LASzip, also where it has oddities; the tests compare them with what the crate `laz` compresses.
 
 #![allow(
     clippy::inline_always,
@@ -21,7 +21,6 @@
 )]
 
 mod by_channel;
-mod by_crate;
 mod chunked;
 mod colour;
 mod decoder;
@@ -39,6 +38,8 @@ mod sharing;
 mod table;
 #[cfg(test)]
 mod tests;
+mod version1;
+mod wave;
 
 pub(crate) use lanes::Taker;
 pub(crate) use sharing::{Ended, Limits};

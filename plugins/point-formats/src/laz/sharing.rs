@@ -8,11 +8,11 @@ use std::io;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use super::by_crate::CrateLane;
 use super::chunked::ChunkedLane;
 use super::lanes::{Chunk, Incomplete, Lane, Pair, Progress, RUN, Taker, one};
 use super::layered::LayeredLane;
-use super::layout::Format;
+use super::layout::{Layout, Version};
+use super::version1::FirstLane;
 
 /// Why not all chunks were fetched.
 #[derive(Debug)]
@@ -40,36 +40,30 @@ pub(crate) struct Limits {
 /// # Errors
 /// [`Ended`]; all chunks before the one at fault have been fetched.
 pub(crate) fn decompress<T: Taker, E>(
-    format: &Format,
+    layout: &Layout,
     chunks: Vec<Chunk<'_>>,
     limits: Limits,
     taker: &T,
     fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
 ) -> Result<(), Ended<E>> {
-    let stride = format.stride();
-    match format {
-        Format::Own(layout) if layout.is_layered => {
-            share::<LayeredLane<'_>, _, _>(layout, stride, chunks, limits, taker, fetch)
-        }
-        Format::Own(layout) => {
-            share::<ChunkedLane<'_>, _, _>(layout, stride, chunks, limits, taker, fetch)
-        }
-        Format::Crate(items) => {
-            share::<CrateLane<'_>, _, _>(items, stride, chunks, limits, taker, fetch)
+    match layout.version {
+        Version::First => share::<FirstLane<'_>, _, _>(layout, chunks, limits, taker, fetch),
+        Version::Second => share::<ChunkedLane<'_>, _, _>(layout, chunks, limits, taker, fetch),
+        Version::Third | Version::Fourth => {
+            share::<LayeredLane<'_>, _, _>(layout, chunks, limits, taker, fetch)
         }
     }
 }
 
 fn share<'a, L: Lane<'a>, T: Taker, E>(
-    format: &L::Format,
-    stride: usize,
+    layout: &Layout,
     chunks: Vec<Chunk<'a>>,
     limits: Limits,
     taker: &T,
     mut fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
 ) -> Result<(), Ended<E>> {
     if chunks.iter().any(|chunk| chunk.count > limits.of_chunk) {
-        return in_parts::<L, T, E>(format, stride, &chunks, limits.of_chunk, taker, fetch);
+        return in_parts::<L, T, E>(layout, &chunks, limits.of_chunk, taker, fetch);
     }
     let counts: Vec<usize> = chunks.iter().map(|chunk| chunk.count).collect();
     let sharing = Sharing::<L, T::Piece> {
@@ -93,7 +87,7 @@ fn share<'a, L: Lane<'a>, T: Taker, E>(
             only_by_panic: false,
         };
         for thread in 0..limits.threads.clamp(1, counts.len().max(1)) {
-            let work = || sharing.work(format, stride, taker);
+            let work = || sharing.work(layout, taker);
             match thread::Builder::new().spawn_scoped(scope, work) {
                 Err(error) if thread == 0 => return Err(Ended::NoThread(error)),
                 // Those that there are do all of it.
@@ -112,18 +106,18 @@ fn share<'a, L: Lane<'a>, T: Taker, E>(
 
 /// Decompresses chunks on this thread, each in parts of at most so many records, as one of them has more than are kept in memory.
 fn in_parts<'a, L: Lane<'a>, T: Taker, E>(
-    format: &L::Format,
-    stride: usize,
+    layout: &Layout,
     chunks: &[Chunk<'a>],
     of_part: usize,
     taker: &T,
     mut fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
 ) -> Result<(), Ended<E>> {
+    let stride = layout.stride();
     let mut records = vec![0; RUN * stride];
     let mut piece = T::Piece::default();
     for chunk in chunks {
         let first = &mut records[..stride];
-        let lane = L::begin(format, chunk.input, first).map_err(Ended::Damaged)?;
+        let lane = L::begin(layout, chunk.input, first).map_err(Ended::Damaged)?;
         let mut lane = [lane];
         // Of the chunk; the first is there already.
         let mut ready = 1;
@@ -199,12 +193,12 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
     }
 
     /// What one thread does.
-    fn work<T: Taker<Piece = P>>(&self, format: &L::Format, stride: usize, taker: &T) {
+    fn work<T: Taker<Piece = P>>(&self, layout: &Layout, taker: &T) {
         let _stop = Stop {
             sharing: self,
             only_by_panic: true,
         };
-        let mut pair = Pair::new(format, stride, taker);
+        let mut pair = Pair::new(layout, taker);
         while self.supply(&mut pair) {
             pair.run(|progress, is_whole| {
                 let piece = if is_whole {
@@ -218,7 +212,7 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
     }
 
     /// Gives a thread what it lacks, or takes from it what another lacks; `false` when nothing is left to do.
-    fn supply<T: Taker<Piece = P>>(&self, pair: &mut Pair<'_, 'a, L, T>) -> bool {
+    fn supply<T: Taker<Piece = P>>(&self, pair: &mut Pair<'_, L, T>) -> bool {
         let mut state = self.lock();
         loop {
             if state.is_stopped {

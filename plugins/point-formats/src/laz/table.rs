@@ -8,7 +8,7 @@ use ::laz::LazVlr;
 use super::decoder::Decoder;
 use super::integer::Integers;
 use super::lanes::{Chunk, Incomplete, Taker};
-use super::layout::Format;
+use super::layout::{Layout, Version};
 use super::sharing::{Ended, Limits, decompress};
 
 /// Bytes before the first chunk, which say where the table is.
@@ -17,13 +17,15 @@ const PLACE_BYTES: usize = size_of::<i64>();
 const HEAD_BYTES: usize = 8;
 /// Bytes of a file for each of its chunks at least. A chunk has a whole record, unless it is empty.
 const FEWEST_BYTES: usize = 8;
-/// How LASzip calls chunks of one stream and of many.
+/// How LASzip calls points that are compressed without chunks, as in its first version.
+const IN_ONE_PIECE: u16 = 1;
+/// And those in chunks of one stream and of many.
 const CHUNKED: [u16; 2] = [2, 3];
 
 /// The chunks of a file that hold its points.
 #[derive(Debug)]
 pub(crate) struct Chunks<'a> {
-    format: Format,
+    layout: Layout,
     list: Vec<Chunk<'a>>,
     /// Whether they hold as many points as they should.
     are_all: bool,
@@ -33,21 +35,25 @@ impl<'a> Chunks<'a> {
     /// The chunks of a file of so many points, which begin at byte `start`.
     ///
     /// # Errors
-    /// They are not compressed in chunks, or nobody knows how, or there is no table of chunks.
+    /// It is not known how they are compressed, or there is no table of chunks.
     pub(crate) fn new(
         file: &'a [u8],
         start: u64,
         points: u64,
         description: &LazVlr,
     ) -> Result<Self, String> {
-        let format = Format::of(description.items())?;
+        let layout = Layout::of(description.items())?;
+        let start = usize::try_from(start).unwrap_or(usize::MAX);
         let compressor = compressor_of(description);
+        if compressor == IN_ONE_PIECE && matches!(layout.version, Version::First | Version::Second)
+        {
+            return Ok(Self::in_one_piece(layout, file, start, points));
+        }
         if !CHUNKED.contains(&compressor) {
             return Err(format!(
-                "compressor {compressor} makes no chunks, expected one of {CHUNKED:?}; compress it again with a newer program"
+                "compressor {compressor} is not known, expected {IN_ONE_PIECE} or one of {CHUNKED:?}; compress it again with another program"
             ));
         }
-        let start = usize::try_from(start).unwrap_or(usize::MAX);
         let missing = || "there is no table of chunks".to_owned();
         let table = table_of(file, start).ok_or_else(missing)?;
         let (number, entries) = table.split_at_checked(HEAD_BYTES).ok_or_else(missing)?;
@@ -87,10 +93,24 @@ impl<'a> Chunks<'a> {
             }
         }
         Ok(Self {
-            format,
+            layout,
             list,
             are_all: left == 0,
         })
+    }
+
+    /// All points as one chunk, which begins at once.
+    fn in_one_piece(layout: Layout, file: &'a [u8], start: usize, points: u64) -> Self {
+        let input = file.get(start..).unwrap_or_default();
+        let count = usize::try_from(points).ok();
+        let chunk = count
+            .filter(|count| *count > 0)
+            .map(|count| Chunk { input, count });
+        Self {
+            layout,
+            are_all: chunk.is_some() || points == 0,
+            list: Vec::from_iter(chunk),
+        }
     }
 
     /// Decompresses them; see [`decompress`].
@@ -103,7 +123,7 @@ impl<'a> Chunks<'a> {
         taker: &T,
         fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
     ) -> Result<(), Ended<E>> {
-        decompress(&self.format, self.list, limits, taker, fetch)?;
+        decompress(&self.layout, self.list, limits, taker, fetch)?;
         if self.are_all {
             Ok(())
         } else {

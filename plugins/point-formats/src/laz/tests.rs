@@ -1,11 +1,15 @@
 //! What the crate `laz` has compressed comes out as it was, for all layouts, and damage is found or at least survived.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
+use ::laz::compressors::{IntegerCompressor, IntegerCompressorBuilder};
+use ::laz::encoders::ArithmeticEncoder;
+use ::laz::models::{ArithmeticModel, ArithmeticModelBuilder};
+use ::laz::record::{FieldCompressor, RecordCompressor, SequentialPointRecordCompressor};
 use ::laz::{LasZipCompressor, LazItem, LazItemRecordBuilder, LazItemType, LazVlr, LazVlrBuilder};
 
 use super::lanes::{Chunk, Incomplete, Taker};
-use super::layout::{Format, Layout};
+use super::layout::Layout;
 use super::sharing::{Ended, Limits, decompress};
 use super::table::Chunks;
 
@@ -38,25 +42,14 @@ enum Kind {
     Noise,
 }
 
-/// The kinds that the crate can compress: it subtracts places of waves, which must not go back.
-fn kinds(items: &[LazItem]) -> Vec<Kind> {
-    let is_wave = |item: &LazItem| {
-        let of = item.item_type();
-        matches!(of, LazItemType::WavePacket13 | LazItemType::WavePacket14)
-    };
-    if items.iter().any(is_wave) {
-        vec![Kind::Constant]
-    } else {
-        vec![Kind::Constant, Kind::Walk, Kind::Scan, Kind::Noise]
-    }
-}
+const KINDS: [Kind; 4] = [Kind::Constant, Kind::Walk, Kind::Scan, Kind::Noise];
 
-/// The items of all layouts that are ours, with their versions, then of some that are not.
+/// The items of all layouts.
 fn layouts() -> Vec<Vec<LazItem>> {
     use LazItemType::{
         Byte, Byte14, GpsTime, Point10, Point14, RGB12, RGB14, RGBNIR14, WavePacket13, WavePacket14,
     };
-    [
+    let usual = [
         &[Point10][..],
         &[Point10, GpsTime],
         &[Point10, RGB12],
@@ -68,19 +61,33 @@ fn layouts() -> Vec<Vec<LazItem>> {
         &[Point14, RGBNIR14],
         &[Point14, Byte14(3)],
         &[Point14, RGBNIR14, Byte14(64)],
-        &[Point10, Byte(65)],
         &[Point10, GpsTime, WavePacket13],
-        &[Point14, RGB14, WavePacket14],
-        &[Point14, Byte14(65)],
+        &[Point10, GpsTime, RGB12, WavePacket13, Byte(2)],
+        &[Point14, WavePacket14],
+        &[Point14, RGBNIR14, WavePacket14, Byte14(2)],
     ]
-    .map(items)
-    .to_vec()
+    .map(items);
+    // The first version's colours and extra bytes: `points_in_one_piece_come_out`.
+    let old = [
+        &[Point10][..],
+        &[Point10, GpsTime],
+        &[Point10, GpsTime, WavePacket13],
+    ]
+    .map(|types| of_version(types, 1));
+    let new = [
+        &[Point14][..],
+        &[Point14, RGB14, Byte14(3)],
+        &[Point14, RGBNIR14, WavePacket14],
+    ]
+    .map(|types| of_version(types, 4));
+    [&usual[..], &old, &new].concat()
 }
 
 fn stride(items: &[LazItem]) -> usize {
     items.iter().map(|item| usize::from(item.size())).sum()
 }
 
+/// Items of the version that is usual for each.
 fn items(types: &[LazItemType]) -> Vec<LazItem> {
     let mut builder = LazItemRecordBuilder::new();
     for item in types {
@@ -89,20 +96,45 @@ fn items(types: &[LazItemType]) -> Vec<LazItem> {
     builder.build()
 }
 
+fn of_version(types: &[LazItemType], version: u16) -> Vec<LazItem> {
+    const ITEM_BYTES: usize = 6;
+    let mut description = Vec::new();
+    let usual = LazVlr::from_laz_items(items(types));
+    usual.write_to(&mut description).unwrap();
+    let first = description.len() - types.len() * ITEM_BYTES;
+    for item in description[first..].chunks_mut(ITEM_BYTES) {
+        item[4..].copy_from_slice(&version.to_le_bytes());
+    }
+    LazVlr::from_buffer(description).unwrap().items().clone()
+}
+
+/// The upper bytes of numbers that the crate's compressor subtracts, which must not overflow: positions in the first version,
+/// times, places of waves.
+fn upper_bytes(items: &[LazItem]) -> Vec<usize> {
+    let mut bytes = Vec::new();
+    let mut at = 0;
+    for item in items {
+        bytes.extend(match (item.item_type(), item.version()) {
+            (LazItemType::Point10, 1) => vec![3, 7, 11],
+            (LazItemType::Point14, _) => vec![29],
+            (LazItemType::GpsTime, _) => vec![at + 7],
+            (LazItemType::WavePacket13 | LazItemType::WavePacket14, _) => vec![at + 8],
+            _ => Vec::new(),
+        });
+        at += usize::from(item.size());
+    }
+    bytes
+}
+
 /// So many records, one after another.
 fn records(kind: Kind, items: &[LazItem], count: usize, random: &mut Random) -> Vec<u8> {
     let stride = stride(items);
-    // The crate's compressor subtracts times, as whole numbers of 64 bits, and must not overflow.
-    let time_end = match items {
-        [point, ..] if point.item_type() == LazItemType::Point14 => Some(29),
-        [_, time, ..] if time.item_type() == LazItemType::GpsTime => Some(27),
-        _ => None,
-    };
+    let upper_bytes = upper_bytes(items);
     let mut record: Vec<u8> = (0..stride).map(|_| random.next() as u8).collect();
     let mut all = Vec::new();
     for _ in 0..count {
-        if let Some(at) = time_end {
-            record[at] &= 0x3F;
+        for at in &upper_bytes {
+            record[*at] &= 0x3F;
         }
         all.extend_from_slice(&record);
         match kind {
@@ -187,8 +219,15 @@ fn read(
     count: u64,
     limits: Limits,
 ) -> Result<Vec<u8>, Incomplete> {
+    all_of(
+        Chunks::new(file, 0, count, description).unwrap(),
+        description,
+        limits,
+    )
+}
+
+fn all_of(chunks: Chunks<'_>, description: &LazVlr, limits: Limits) -> Result<Vec<u8>, Incomplete> {
     let stride = description.items_size() as usize;
-    let chunks = Chunks::new(file, 0, count, description).unwrap();
     let mut all = Vec::new();
     let fetch = |piece: Vec<u8>| {
         all.extend_from_slice(&piece);
@@ -223,7 +262,7 @@ fn limits(threads: usize, points: usize) -> Limits {
 fn what_was_compressed_comes_out() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for items in layouts() {
-        for kind in kinds(&items) {
+        for kind in KINDS {
             for (count, sizes) in [
                 (1, &[50][..]),
                 (700, &[50_000]),
@@ -265,13 +304,8 @@ fn damage_is_found_or_survived() {
     let mut random = Random(3);
     for items in layouts() {
         let stride = stride(&items);
-        let format = Format::of(&items).unwrap();
-        let kind = if kinds(&items).len() > 1 {
-            Kind::Scan
-        } else {
-            Kind::Constant
-        };
-        let wanted = records(kind, &items, 400, &mut random);
+        let layout = Layout::of(&items).unwrap();
+        let wanted = records(Kind::Scan, &items, 400, &mut random);
         let (file, description) = compressed(&items, &wanted, &[400]);
         let table = ::laz::laszip::ChunkTable::read_from(Cursor::new(&file), &description).unwrap();
         let bytes = table.as_ref()[0].byte_count as usize;
@@ -283,7 +317,7 @@ fn damage_is_found_or_survived() {
                 Ok::<_, Never>(None)
             };
             let chunks = vec![Chunk { input, count }];
-            let ended = decompress(&format, chunks, limits(1, 1), &Plain { stride }, fetch);
+            let ended = decompress(&layout, chunks, limits(1, 1), &Plain { stride }, fetch);
             ended.map(|()| output).map_err(incomplete)
         };
         assert!(decompressed(whole, 400) == Ok(wanted), "{items:?}");
@@ -355,13 +389,137 @@ fn it_ends_early_when_it_must() {
 }
 
 #[test]
-fn other_items_are_left_to_the_crate() {
-    let is_own = |items: &Vec<LazItem>| Layout::of(items).is_some();
-    let (own, others): (Vec<_>, Vec<_>) = layouts().into_iter().partition(is_own);
-    assert_eq!((own.len(), others.len()), (11, 4));
-    let too_many = items(&[LazItemType::Point10, LazItemType::Byte(5000)]);
-    let problem = Format::of(&too_many).map(|_| ()).unwrap_err();
-    assert!(problem.contains("5000 extra bytes"), "{problem}");
+fn other_items_are_refused() {
+    use LazItemType::{Byte, Byte14, GpsTime, Point10, Point14, RGB12, WavePacket14};
+    let problem = |items: &[LazItem]| Layout::of(items).unwrap_err();
+    let too_many = problem(&items(&[Point10, Byte(5000)]));
+    assert!(too_many.contains("5000 extra bytes"), "{too_many}");
+    let mixed = [of_version(&[Point10], 1), items(&[GpsTime])].concat();
+    assert_eq!(
+        problem(&mixed),
+        "no records of Point10 version 1, GpsTime version 2 are known"
+    );
+    for types in [
+        &[Point10, RGB12, GpsTime][..],
+        &[GpsTime],
+        &[Point14, RGB12],
+        &[Point10, WavePacket14],
+        &[Point10, Byte(1), Byte(1)],
+        &[Point10, Byte14(1)],
+        &[],
+    ] {
+        assert!(Layout::of(&items(types)).is_err(), "{types:?}");
+    }
+    for (types, version) in [(&[Point10][..], 3), (&[Point14], 2), (&[Point14], 5)] {
+        let items = of_version(types, version);
+        assert!(Layout::of(&items).is_err(), "{types:?} {version}");
+    }
+}
+
+#[test]
+fn the_most_extra_bytes_come_out() {
+    for types in [
+        [LazItemType::Point10, LazItemType::Byte(1024)],
+        [LazItemType::Point14, LazItemType::Byte14(1024)],
+    ] {
+        let items = items(&types);
+        let wanted = records(Kind::Scan, &items, 100, &mut Random(11));
+        let (file, description) = compressed(&items, &wanted, &[40]);
+        let found = read(&file, &description, 100, limits(2, 1000));
+        assert!(found == Ok(wanted), "{types:?}");
+    }
+}
+
+/// Extra bytes and colours of the first version as LASzip compresses them; the crate's are different.
+struct OldBytes {
+    last: Vec<u8>,
+    /// Of colours: which bytes change.
+    changes: Option<ArithmeticModel>,
+    numbers: IntegerCompressor,
+}
+
+impl OldBytes {
+    fn new(count: u32, changes: Option<ArithmeticModel>) -> Self {
+        let mut numbers = IntegerCompressorBuilder::new();
+        Self {
+            last: vec![0; count as usize],
+            changes,
+            numbers: numbers.bits(8).contexts(count).build_initialized(),
+        }
+    }
+}
+
+impl<W: Write> FieldCompressor<W> for OldBytes {
+    fn size_of_field(&self) -> usize {
+        self.last.len()
+    }
+
+    fn compress_first(&mut self, out: &mut W, bytes: &[u8]) -> std::io::Result<()> {
+        self.last.copy_from_slice(bytes);
+        out.write_all(bytes)
+    }
+
+    fn compress_with(
+        &mut self,
+        encoder: &mut ArithmeticEncoder<W>,
+        bytes: &[u8],
+    ) -> std::io::Result<()> {
+        let pairs = || self.last.iter().zip(bytes).enumerate();
+        if let Some(model) = &mut self.changes {
+            let bits = pairs().map(|(at, (last, byte))| u32::from(last != byte) << at);
+            encoder.encode_symbol(model, bits.sum())?;
+        }
+        for (at, (last, byte)) in pairs() {
+            if self.changes.is_none() || last != byte {
+                let (from, to) = (i32::from(*last), i32::from(*byte));
+                self.numbers.compress(encoder, from, to, at as u32)?;
+            }
+        }
+        self.last.copy_from_slice(bytes);
+        Ok(())
+    }
+}
+
+/// As LASzip did at first: without chunks, and so without their table.
+#[test]
+fn points_in_one_piece_come_out() {
+    let first = of_version(&[LazItemType::Point10, LazItemType::GpsTime], 1);
+    let wave = of_version(&[LazItemType::WavePacket13], 1);
+    let types = [
+        LazItemType::Point10,
+        LazItemType::GpsTime,
+        LazItemType::RGB12,
+        LazItemType::WavePacket13,
+        LazItemType::Byte(3),
+    ];
+    let all = of_version(&types, 1);
+    for kind in KINDS {
+        let wanted = records(kind, &all, 500, &mut Random(13));
+        let mut compressor = SequentialPointRecordCompressor::new(Vec::new());
+        compressor.set_fields_from(&first).unwrap();
+        let changes = ArithmeticModelBuilder::new(64).build();
+        compressor.add_field_compressor(OldBytes::new(6, Some(changes)));
+        compressor.set_fields_from(&wave).unwrap();
+        compressor.add_field_compressor(OldBytes::new(3, None));
+        compressor.compress_many(&wanted).unwrap();
+        compressor.done().unwrap();
+        let mut file = b"before".to_vec();
+        file.extend(compressor.into_inner());
+        let end = file.len();
+        file.extend(b"behind");
+        let mut description = Vec::new();
+        let chunked = LazVlr::from_laz_items(all.clone());
+        chunked.write_to(&mut description).unwrap();
+        description[..2].copy_from_slice(&1_u16.to_le_bytes());
+        let description = LazVlr::from_buffer(description).unwrap();
+        let read = |file: &[u8]| {
+            let chunks = Chunks::new(file, 6, 500, &description).unwrap();
+            all_of(chunks, &description, limits(2, 1000))
+        };
+        assert!(read(&file) == Ok(wanted), "{kind:?}");
+        assert_eq!(read(&file[..end - 16]), Err(Incomplete), "{kind:?}");
+        assert_eq!(read(&[]), Err(Incomplete), "{kind:?}");
+    }
 }
 
 /// The crate would take memory for all chunks that are claimed.
