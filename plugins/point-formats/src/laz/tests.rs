@@ -80,7 +80,14 @@ fn layouts() -> Vec<Vec<LazItem>> {
         &[Point14, RGBNIR14, WavePacket14],
     ]
     .map(|types| of_version(types, 4));
-    [&usual[..], &old, &new].concat()
+    // So LASzip calls them.
+    let with_old_wave = [
+        items(&[Point10, GpsTime]),
+        of_version(&[WavePacket13], 1),
+        items(&[Byte(2)]),
+    ]
+    .concat();
+    [&usual[..], &old, &new, &[with_old_wave]].concat()
 }
 
 fn stride(items: &[LazItem]) -> usize {
