@@ -11,6 +11,9 @@ use glam::Vec3;
 use las::point::{Classification, Format};
 use las::raw::point::Waveform;
 use las::{Builder, Color, Point, Vlr, Writer};
+use laz::las::Point0;
+use laz::record::{RecordCompressor, SequentialPointRecordCompressor};
+use laz::{LazItemRecordBuilder, LazVlr};
 use pointstage_plugin_api::columns::NO_NORMAL;
 use pointstage_scene::{Loaded, ScalarType};
 use pointstage_tests::loaders::{first_party, load_as_it_is};
@@ -231,6 +234,61 @@ fn colours_of_compressed_points_are_those_of_plain_ones_however_late_they_are_kn
             both[0].1
         );
     }
+    Ok(())
+}
+
+/// As LASzip's first version made files: without chunks.
+#[test]
+fn points_in_one_piece_are_those_of_the_plain_file() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let loaders = first_party()?;
+    let path = folder.path().join("plain.las");
+    let mut builder = Builder::from((1, 2));
+    builder.point_format = Format::new(0)?;
+    let mut writer = Writer::from_path(&path, builder.into_header()?)?;
+    for index in 0..POINTS {
+        writer.write_point(Point {
+            x: f64::from(index) * 0.25,
+            y: -f64::from(index),
+            intensity: index as u16 * 3,
+            ..Point::default()
+        })?;
+    }
+    writer.close()?;
+    let plain = std::fs::read(&path)?;
+    let (header, records) = plain.split_at(plain.len() - POINTS as usize * 20);
+
+    // What LASzip says of itself: the point's ten fields, version 1, without chunks.
+    let mut description = vec![0; 54];
+    description[2..16].copy_from_slice(b"laszip encoded");
+    description[18..20].copy_from_slice(&22204_u16.to_le_bytes());
+    description[20..22].copy_from_slice(&40_u16.to_le_bytes());
+    let chunked = LazVlr::from_laz_items(LazItemRecordBuilder::version_1_of::<Point0>(0));
+    chunked.write_to(&mut description)?;
+    description[54..56].copy_from_slice(&1_u16.to_le_bytes());
+
+    let mut packed = header.to_vec();
+    packed[96..100].copy_from_slice(&((header.len() + description.len()) as u32).to_le_bytes());
+    packed[100] += 1;
+    packed[104] |= 128;
+    packed.extend(description);
+    let mut compressor = SequentialPointRecordCompressor::new(&mut packed);
+    compressor.set_fields_from(chunked.items())?;
+    compressor.compress_many(records)?;
+    compressor.done()?;
+    drop(compressor);
+    assert!(packed.len() < plain.len() / 2);
+    let compressed = folder.path().join("compressed.laz");
+    std::fs::write(&compressed, packed)?;
+
+    let [plain, compressed] = [path, compressed].map(|path| load_as_it_is(&loaders, &path));
+    let (plain, compressed) = (plain?, compressed?);
+    for point in 0..POINTS as usize {
+        assert_eq!(at(&compressed, point), at(&plain, point));
+        let intensity = |loaded| value(loaded, "intensity", point, 0);
+        assert_eq!(intensity(&compressed), intensity(&plain));
+    }
+    assert_eq!(at(&compressed, 777), [194.25, -777.0, 0.0]);
     Ok(())
 }
 

@@ -529,6 +529,58 @@ fn points_in_one_piece_come_out() {
     }
 }
 
+/// Damaged times, which change their sequence for ever.
+struct EndlessTimes(ArithmeticModel);
+
+impl<W: Write> FieldCompressor<W> for EndlessTimes {
+    fn size_of_field(&self) -> usize {
+        8
+    }
+
+    fn compress_first(&mut self, out: &mut W, bytes: &[u8]) -> std::io::Result<()> {
+        out.write_all(bytes)
+    }
+
+    fn compress_with(
+        &mut self,
+        encoder: &mut ArithmeticEncoder<W>,
+        _: &[u8],
+    ) -> std::io::Result<()> {
+        const TO_NEXT_SEQUENCE: u32 = 3;
+        (0..1_000_000).try_for_each(|_| encoder.encode_symbol(&mut self.0, TO_NEXT_SEQUENCE))
+    }
+}
+
+/// The crate's decoder calls itself for each change: the stack would overflow.
+#[test]
+fn times_that_change_their_sequence_for_ever_are_survived() {
+    let types = [
+        LazItemType::Point10,
+        LazItemType::GpsTime,
+        LazItemType::WavePacket13,
+    ];
+    let all = items(&types);
+    let mut compressor = SequentialPointRecordCompressor::new(Vec::new());
+    compressor.set_fields_from(&all[..1].to_vec()).unwrap();
+    compressor.add_field_compressor(EndlessTimes(ArithmeticModelBuilder::new(6).build()));
+    compressor.set_fields_from(&all[2..].to_vec()).unwrap();
+    let records = records(Kind::Constant, &all, 2, &mut Random(5));
+    compressor.compress_many(&records).unwrap();
+    compressor.done().unwrap();
+    let layout = Layout::of(&all).unwrap();
+    let input = compressor.into_inner();
+    let chunks = vec![Chunk {
+        input: &input,
+        count: 2,
+    }];
+    let taker = Plain {
+        stride: layout.stride(),
+    };
+    let fetch = |_| Ok::<_, Never>(None);
+    // Whatever comes out.
+    let _ = decompress(&layout, chunks, limits(1, 1), &taker, fetch);
+}
+
 /// The crate would take memory for all chunks that are claimed.
 #[test]
 fn a_table_of_more_chunks_than_the_file_can_hold_is_refused() {
