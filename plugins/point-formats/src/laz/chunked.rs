@@ -30,7 +30,7 @@ pub(super) struct ChunkedLane<'a> {
 }
 
 impl<'a> Lane<'a> for ChunkedLane<'a> {
-    fn begin(layout: &Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
+    fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
         let (record, stream) = input.split_at_checked(first.len()).ok_or(Incomplete)?;
         first.copy_from_slice(record);
         let (point, mut fields) = record.split_first_chunk().ok_or(Incomplete)?;

@@ -25,7 +25,7 @@ pub(crate) struct Chunk<'a> {
 /// A chunk that is being decompressed.
 pub(super) trait Lane<'a>: Sized + Send {
     /// Begins a chunk and writes its first record.
-    fn begin(layout: &Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
+    fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete>;
 
     /// Writes the next record of each lane.
     fn next<const LANES: usize>(lanes: &mut [Self; LANES], records: [&mut [u8]; LANES]);
@@ -61,7 +61,7 @@ pub(super) struct Progress<P> {
 /// The lanes of one thread, two at most.
 pub(super) struct Pair<'t, L, T: Taker> {
     taker: &'t T,
-    layout: &'t Layout,
+    layout: Layout,
     stride: usize,
     // Side by side, as `Lane::next` wants them.
     lanes: Vec<L>,
@@ -70,7 +70,7 @@ pub(super) struct Pair<'t, L, T: Taker> {
 }
 
 impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
-    pub(super) fn new(layout: &'t Layout, taker: &'t T) -> Self {
+    pub(super) fn new(layout: Layout, taker: &'t T) -> Self {
         let stride = layout.stride();
         let records = || vec![0; RUN * stride];
         Self {

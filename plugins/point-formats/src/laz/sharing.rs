@@ -40,7 +40,7 @@ pub(crate) struct Limits {
 /// # Errors
 /// [`Ended`]; all chunks before the one at fault have been fetched.
 pub(crate) fn decompress<T: Taker, E>(
-    layout: &Layout,
+    layout: Layout,
     chunks: Vec<Chunk<'_>>,
     limits: Limits,
     taker: &T,
@@ -56,7 +56,7 @@ pub(crate) fn decompress<T: Taker, E>(
 }
 
 fn share<'a, L: Lane<'a>, T: Taker, E>(
-    layout: &Layout,
+    layout: Layout,
     chunks: Vec<Chunk<'a>>,
     limits: Limits,
     taker: &T,
@@ -106,7 +106,7 @@ fn share<'a, L: Lane<'a>, T: Taker, E>(
 
 /// Decompresses chunks on this thread, each in parts of at most so many records, as one of them has more than are kept in memory.
 fn in_parts<'a, L: Lane<'a>, T: Taker, E>(
-    layout: &Layout,
+    layout: Layout,
     chunks: &[Chunk<'a>],
     of_part: usize,
     taker: &T,
@@ -193,7 +193,7 @@ impl<'a, L: Lane<'a>, P: Default + Send> Sharing<'a, L, P> {
     }
 
     /// What one thread does.
-    fn work<T: Taker<Piece = P>>(&self, layout: &Layout, taker: &T) {
+    fn work<T: Taker<Piece = P>>(&self, layout: Layout, taker: &T) {
         let _stop = Stop {
             sharing: self,
             only_by_panic: true,

@@ -123,7 +123,7 @@ impl<'a> Chunks<'a> {
         taker: &T,
         fetch: impl FnMut(T::Piece) -> Result<Option<T::Piece>, E>,
     ) -> Result<(), Ended<E>> {
-        decompress(&self.layout, self.list, limits, taker, fetch)?;
+        decompress(self.layout, self.list, limits, taker, fetch)?;
         if self.are_all {
             Ok(())
         } else {

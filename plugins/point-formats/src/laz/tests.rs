@@ -324,7 +324,7 @@ fn damage_is_found_or_survived() {
                 Ok::<_, Never>(None)
             };
             let chunks = vec![Chunk { input, count }];
-            let ended = decompress(&layout, chunks, limits(1, 1), &Plain { stride }, fetch);
+            let ended = decompress(layout, chunks, limits(1, 1), &Plain { stride }, fetch);
             ended.map(|()| output).map_err(incomplete)
         };
         assert!(decompressed(whole, 400) == Ok(wanted), "{items:?}");
@@ -578,7 +578,7 @@ fn times_that_change_their_sequence_for_ever_are_survived() {
     };
     let fetch = |_| Ok::<_, Never>(None);
     // Whatever comes out.
-    let _ = decompress(&layout, chunks, limits(1, 1), &taker, fetch);
+    let _ = decompress(layout, chunks, limits(1, 1), &taker, fetch);
 }
 
 /// The crate would take memory for all chunks that are claimed.

@@ -25,7 +25,7 @@ pub(super) struct FirstLane<'a> {
 }
 
 impl<'a> Lane<'a> for FirstLane<'a> {
-    fn begin(layout: &Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
+    fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
         let (record, stream) = input.split_at_checked(first.len()).ok_or(Incomplete)?;
         first.copy_from_slice(record);
         Ok(Self {
@@ -56,21 +56,22 @@ impl FirstLane<'_> {
     fn read(&mut self) {
         let decoder = &mut self.decoder;
         let mut fields = &mut self.record[..];
-        if let Some(point) = field(&mut fields) {
+        let mut take = |count: usize| fields.split_off_mut(..count).unwrap_or_default();
+        if let Ok(point) = take(point10::BYTES).try_into() {
             self.points.read(decoder, point);
         }
         if let Some(times) = &mut self.times
-            && let Some(time) = field(&mut fields)
+            && let Ok(time) = take(size_of::<f64>()).try_into()
         {
             times.read(decoder, time);
         }
         if let Some(colours) = &mut self.colours
-            && let Some(colour) = field(&mut fields)
+            && let Ok(colour) = take(colour::BYTES).try_into()
         {
             colours.read(decoder, colour);
         }
         if let Some(waves) = &mut self.waves
-            && let Some(wave) = field::<{ wave::BYTES }>(&mut fields)
+            && let Ok(wave) = take(wave::BYTES).try_into()
         {
             waves.read(decoder, wave);
         }
@@ -78,13 +79,6 @@ impl FirstLane<'_> {
             *byte = self.extra_bytes.read(decoder, (*byte).into(), context) as u8;
         }
     }
-}
-
-/// Takes the next field of a record.
-fn field<'f, const BYTES: usize>(fields: &mut &'f mut [u8]) -> Option<&'f mut [u8; BYTES]> {
-    let (field, rest) = std::mem::take(fields).split_first_chunk_mut()?;
-    *fields = rest;
-    Some(field)
 }
 
 /// The item POINT10.
@@ -169,7 +163,7 @@ impl Points {
     }
 }
 
-/// Bytes of a record, from one that it has so many behind.
+/// Some bytes of a record.
 fn bytes<const BYTES: usize>(record: &[u8; point10::BYTES], at: usize) -> [u8; BYTES] {
     std::array::from_fn(|byte| record[at + byte])
 }
