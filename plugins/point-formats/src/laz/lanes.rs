@@ -126,7 +126,8 @@ impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
         self.lanes.pop().zip(self.progress.pop())
     }
 
-    /// Goes on by a run of records, and calls `end` with each chunk that ends with it, and whether all of it was there.
+    /// Goes on by a run of records, and calls `end` with each chunk that ends with it, and whether all of it was there; one that is
+    /// cut off ends at once, since damaged data claims many points.
     pub(super) fn run(&mut self, mut end: impl FnMut(Progress<T::Piece>, bool)) {
         let stride = self.stride;
         let left = self.progress.iter().map(|lane| lane.count - lane.taken);
@@ -147,9 +148,10 @@ impl<'t, 'a, L: Lane<'a>, T: Taker> Pair<'t, L, T> {
             lane.taken += count;
         }
         for index in (0..self.lanes.len()).rev() {
-            if self.progress[index].taken == self.progress[index].count {
-                let lane = self.lanes.swap_remove(index);
-                end(self.progress.swap_remove(index), lane.is_whole());
+            let is_whole = self.lanes[index].is_whole();
+            if !is_whole || self.progress[index].taken == self.progress[index].count {
+                self.lanes.swap_remove(index);
+                end(self.progress.swap_remove(index), is_whole);
             }
         }
     }

@@ -132,10 +132,10 @@ fn in_parts<'a, L: Lane<'a>, T: Taker, E>(
                 ready = 0;
                 taker.add(&mut piece, taken, records);
                 taken += run;
-            }
-            let [of_chunk] = &lane;
-            if !of_chunk.is_whole() {
-                return Err(Ended::Damaged(Incomplete));
+                let [of_chunk] = &lane;
+                if !of_chunk.is_whole() {
+                    return Err(Ended::Damaged(Incomplete));
+                }
             }
             let given_back = fetch(std::mem::take(&mut piece)).map_err(Ended::By)?;
             piece = given_back.unwrap_or_default();
