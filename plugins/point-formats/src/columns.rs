@@ -1,6 +1,8 @@
 //! What each value of a point means, by its name, and runs of points as the host takes them; for formats whose values have
 //! names (PCD, text).
 
+use std::collections::{HashMap, HashSet};
+
 use pointstage_plugin_api::abi::ScalarType;
 use pointstage_plugin_api::loading::{Column, Output, bytes_of};
 use pointstage_plugin_api::{ColumnRole, Error, Result};
@@ -157,6 +159,9 @@ impl Columns {
                 places: vec![place],
             });
         }
+        let mut names = Names::default();
+        // What comes without a name gets a number.
+        names.taken.insert(String::new());
         for (place, value) in values.iter().enumerate() {
             if is_taken[place] || value.name == "_" || value.kept == Kept::PackedColour {
                 continue;
@@ -173,7 +178,7 @@ impl Columns {
                 }
                 _ => groups.push(Group {
                     role: ColumnRole::NAMED,
-                    name: unique(&groups, &value.name),
+                    name: names.unique(&value.name),
                     kept: value.kept,
                     places: vec![place],
                 }),
@@ -242,17 +247,25 @@ impl Bytes {
     }
 }
 
-/// A name that no column has yet: a number is put behind one that comes again.
-fn unique(groups: &[Group], name: &str) -> String {
-    let is_free = |name: &str| groups.iter().all(|group| group.name != name);
-    if is_free(name) {
-        return name.to_owned();
+/// Names that columns have.
+#[derive(Default)]
+struct Names<'v> {
+    taken: HashSet<String>,
+    /// The last number behind each name that came again.
+    numbers: HashMap<&'v str, u64>,
+}
+
+impl<'v> Names<'v> {
+    /// A name that no column has yet: a number is put behind one that comes again.
+    fn unique(&mut self, name: &'v str) -> String {
+        let mut own = name.to_owned();
+        while !self.taken.insert(own.clone()) {
+            let number = self.numbers.entry(name).or_insert(1);
+            *number += 1;
+            own = format!("{name}_{number}");
+        }
+        own
     }
-    let numbered = (2..).map(|number| format!("{name}_{number}"));
-    numbered
-        .into_iter()
-        .find(|name| is_free(name))
-        .unwrap_or_default()
 }
 
 /// The one way to keep several values: their own if they agree, else f64.
@@ -288,6 +301,8 @@ mod tests {
             value("d", Kept::F32),
             value("time", Kept::F64),
             value("rgb", Kept::PackedColour),
+            value("time_2", Kept::F64),
+            value("time", Kept::F64),
         ];
         let columns = Columns::new(&values).expect("has positions");
         let found: Vec<(ColumnRole, &str, Kept, usize)> = columns
@@ -310,6 +325,8 @@ mod tests {
                 (ColumnRole::NAMED, "time", Kept::F64, 1),
                 (ColumnRole::NAMED, "d", Kept::F32, 2),
                 (ColumnRole::NAMED, "time_2", Kept::F64, 1),
+                (ColumnRole::NAMED, "time_2_2", Kept::F64, 1),
+                (ColumnRole::NAMED, "time_3", Kept::F64, 1),
             ]
         );
         let error = Columns::new(&values[1..]).expect_err("no x").to_string();
@@ -317,5 +334,17 @@ mod tests {
             error.contains("x, y and z") && error.contains("time"),
             "{error}"
         );
+    }
+
+    /// To look through all names for each would take hours.
+    #[test]
+    fn many_columns_may_have_few_names() {
+        let mut values = ["x", "y", "z"].map(|name| value(name, Kept::F32)).to_vec();
+        for _ in 0..20_000 {
+            values.extend(["a", "b"].map(|name| value(name, Kept::F32)));
+        }
+        let columns = Columns::new(&values).expect("has positions");
+        let last = columns.groups.last().map(|group| group.name.as_str());
+        assert_eq!(last, Some("b_20000"));
     }
 }

@@ -5,6 +5,7 @@
 //! numbers become positions there when their box is known. A cloud is then written to fresh memory once, which costs more than
 //! reading it.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use bytes::{Bytes, BytesMut};
@@ -55,18 +56,16 @@ impl RowColumns {
     /// There is no position, something is declared twice, or a column cannot have so many components.
     pub(super) fn new(specs: Vec<ColumnSpec>) -> Result<Self, BuildError> {
         let problem = |problem: String| Err(BuildError::Columns { problem });
-        for (index, spec) in specs.iter().enumerate() {
+        let mut known = HashSet::new();
+        for spec in &specs {
             if !spec.role.fits(spec.components) {
                 return Err(BuildError::Components {
                     role: spec.role,
                     components: spec.components,
                 });
             }
-            let same = |other: &ColumnSpec| {
-                other.role == spec.role
-                    && (spec.role != ColumnRole::Named || other.name == spec.name)
-            };
-            if specs[..index].iter().any(same) {
+            let name = (spec.role == ColumnRole::Named).then_some(&spec.name);
+            if !known.insert((spec.role, name)) {
                 return problem(format!("{:?} '{}' is declared twice", spec.role, spec.name));
             }
         }
