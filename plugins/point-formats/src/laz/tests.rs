@@ -1,6 +1,7 @@
 //! What the crate `laz` has compressed comes out as it was, for all layouts, and damage is found or at least survived.
 
 use std::io::{Cursor, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use ::laz::compressors::{IntegerCompressor, IntegerCompressorBuilder};
 use ::laz::encoders::ArithmeticEncoder;
@@ -345,6 +346,46 @@ fn damage_is_found_or_survived() {
             // Whatever comes out: no panic.
             let _ = decompressed(&damaged, 400);
         }
+    }
+}
+
+/// Counts records.
+#[derive(Default)]
+struct Counted(AtomicUsize);
+
+impl Taker for Counted {
+    type Piece = ();
+
+    fn begin(&self, (): &mut (), _: usize) {}
+
+    fn add(&self, (): &mut (), _: usize, records: &[u8]) {
+        self.0.fetch_add(records.len() / 20, Ordering::Relaxed);
+    }
+}
+
+/// However many points it claims: they would all come out of nothing.
+#[test]
+fn a_chunk_that_is_cut_off_ends_at_once() {
+    let items = items(&[LazItemType::Point10]);
+    let wanted = records(Kind::Noise, &items, 400, &mut Random(17));
+    let (file, _) = compressed(&items, &wanted, &[400]);
+    let layout = Layout::of(&items).unwrap();
+    let chunks = || {
+        vec![Chunk {
+            input: &file[8..],
+            count: 1_000_000_000,
+        }]
+    };
+    let whole = Limits {
+        of_chunk: usize::MAX,
+        ..limits(1, usize::MAX)
+    };
+    for limits in [whole, limits(1, 1)] {
+        let taker = Counted::default();
+        let ended = decompress(layout, chunks(), limits, &taker, |()| Ok::<_, Never>(None));
+        assert_eq!(ended.map_err(incomplete), Err(Incomplete), "{limits:?}");
+        let taken = taker.0.load(Ordering::Relaxed);
+        assert!((400..4000).contains(&taken), "{taken} {limits:?}");
     }
 }
 
