@@ -17,12 +17,11 @@ pub(super) struct ByChannel<M, V> {
     channel: usize,
     /// Of the value.
     last_channel: usize,
-    version: Version,
 }
 
 impl<M, V: Clone> ByChannel<M, V> {
     /// After the first value of a chunk.
-    pub(super) fn new(version: Version, channel: usize, first: &V, models: M) -> Self {
+    pub(super) fn new(channel: usize, first: &V, models: M) -> Self {
         let mut all = [const { None }; CHANNELS];
         all[channel] = Some(Box::new(models));
         Self {
@@ -30,13 +29,12 @@ impl<M, V: Clone> ByChannel<M, V> {
             last: std::array::from_fn(|_| first.clone()),
             channel,
             last_channel: channel,
-            version,
         }
     }
 
     /// Goes on to the next point.
     #[inline(always)]
-    pub(super) fn enter(&mut self, channel: usize, new: impl FnOnce() -> M) {
+    pub(super) fn enter(&mut self, version: Version, channel: usize, new: impl FnOnce() -> M) {
         self.last_channel = self.channel;
         if self.channel != channel {
             self.channel = channel;
@@ -45,7 +43,7 @@ impl<M, V: Clone> ByChannel<M, V> {
                 self.last[channel] = self.last[self.last_channel].clone();
                 self.last_channel = channel;
             }
-            if self.version == Version::Fourth {
+            if version == Version::Fourth {
                 self.last_channel = channel;
             }
         }

@@ -41,7 +41,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
     fn begin(layout: Layout, input: &'a [u8], first: &mut [u8]) -> Result<Self, Incomplete> {
         let (record, streams) = input.split_at_checked(first.len()).ok_or(Incomplete)?;
         first.copy_from_slice(record);
-        let (point, mut fields) = record.split_first_chunk().ok_or(Incomplete)?;
+        let (point, fields) = record.split_first_chunk().ok_or(Incomplete)?;
         let point = Point::read(point);
         let channel = point.channel();
         let extra_count = usize::from(layout.extra_bytes);
@@ -61,7 +61,8 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             rest = behind;
             Ok((size > 0).then(|| Decoder::new(stream)))
         };
-        let mut lane = Self {
+        let mut behind = Behind { channel, fields };
+        Ok(Self {
             decoder: stream()?.ok_or(Incomplete)?,
             z: stream()?,
             class: stream()?,
@@ -74,53 +75,11 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             channel: Box::new(Channel::after(&point)),
             others: [const { None }; CHANNELS],
             version: layout.version,
-            colours: None,
-            infrared: None,
-            waves: None,
-            extra_bytes: None,
-        };
-        let version = layout.version;
-        if layout.has_colour {
-            let models = Colours::new();
-            lane.colours = Some(Layer::new(
-                version,
-                channel,
-                stream()?,
-                &mut fields,
-                models,
-            )?);
-        }
-        if layout.has_infrared {
-            let models = Infrared::new();
-            lane.infrared = Some(Layer::new(
-                version,
-                channel,
-                stream()?,
-                &mut fields,
-                models,
-            )?);
-        }
-        if layout.has_wave {
-            let models = Waves::new();
-            lane.waves = Some(Layer::new(
-                version,
-                channel,
-                stream()?,
-                &mut fields,
-                models,
-            )?);
-        }
-        if extra_count > 0 {
-            let models = LayeredBytes::models(extra_count);
-            let decoders = (0..extra_count)
-                .map(|_| stream())
-                .collect::<Result<_, _>>()?;
-            lane.extra_bytes = Some(LayeredBytes {
-                decoders,
-                channels: ByChannel::new(version, channel, &fields.to_vec(), models),
-            });
-        }
-        Ok(lane)
+            colours: behind.layer(layout.has_colour, &mut stream, Colours::new)?,
+            infrared: behind.layer(layout.has_infrared, &mut stream, Infrared::new)?,
+            waves: behind.layer(layout.has_wave, &mut stream, Waves::new)?,
+            extra_bytes: LayeredBytes::new(&behind, extra_count, &mut stream)?,
+        })
     }
 
     #[inline(always)]
@@ -215,18 +174,20 @@ impl LayeredLane<'_> {
             _ => entered.unwrap_or_default(),
         };
         if let Some(colours) = &mut self.colours {
-            colours.channels.enter(channel, Colours::new);
+            colours.channels.enter(self.version, channel, Colours::new);
         }
         if let Some(infrared) = &mut self.infrared {
-            infrared.channels.enter(channel, Infrared::new);
+            infrared
+                .channels
+                .enter(self.version, channel, Infrared::new);
         }
         if let Some(waves) = &mut self.waves {
-            waves.channels.enter(channel, Waves::new);
+            waves.channels.enter(self.version, channel, Waves::new);
         }
         if let Some(bytes) = &mut self.extra_bytes {
             let count = bytes.decoders.len();
             let models = || LayeredBytes::models(count);
-            bytes.channels.enter(channel, models);
+            bytes.channels.enter(self.version, channel, models);
         }
     }
 
@@ -323,6 +284,33 @@ impl LayeredLane<'_> {
     }
 }
 
+/// What is left of the first record behind the point.
+struct Behind<'f> {
+    /// The point's.
+    channel: usize,
+    fields: &'f [u8],
+}
+
+impl Behind<'_> {
+    /// The next item, if it is there: its first value and its stream.
+    fn layer<'a, M, const BYTES: usize>(
+        &mut self,
+        is_there: bool,
+        stream: &mut impl FnMut() -> Result<Option<Decoder<'a>>, Incomplete>,
+        models: fn() -> M,
+    ) -> Result<Option<Layer<'a, M, BYTES>>, Incomplete> {
+        if !is_there {
+            return Ok(None);
+        }
+        let (first, rest) = self.fields.split_first_chunk().ok_or(Incomplete)?;
+        self.fields = rest;
+        Ok(Some(Layer {
+            decoder: stream()?,
+            channels: ByChannel::new(self.channel, first, models()),
+        }))
+    }
+}
+
 /// An item behind the point.
 struct Layer<'a, M, const BYTES: usize> {
     decoder: Option<Decoder<'a>>,
@@ -330,22 +318,6 @@ struct Layer<'a, M, const BYTES: usize> {
 }
 
 impl<'a, M, const BYTES: usize> Layer<'a, M, BYTES> {
-    /// Takes its value of the first point from what follows of the record.
-    fn new(
-        version: Version,
-        channel: usize,
-        decoder: Option<Decoder<'a>>,
-        fields: &mut &[u8],
-        models: M,
-    ) -> Result<Self, Incomplete> {
-        let (first, rest) = fields.split_first_chunk().ok_or(Incomplete)?;
-        *fields = rest;
-        Ok(Self {
-            decoder,
-            channels: ByChannel::new(version, channel, first, models),
-        })
-    }
-
     /// The stream, the models, and the value before.
     #[inline(always)]
     fn parts(&mut self) -> Option<(&mut Decoder<'a>, &mut M, &mut [u8; BYTES])> {
@@ -360,7 +332,24 @@ struct LayeredBytes<'a> {
     channels: ByChannel<Vec<Symbols>, Vec<u8>>,
 }
 
-impl LayeredBytes<'_> {
+impl<'a> LayeredBytes<'a> {
+    /// The last item: all bytes that are left, if there are any.
+    fn new(
+        behind: &Behind<'_>,
+        count: usize,
+        stream: &mut impl FnMut() -> Result<Option<Decoder<'a>>, Incomplete>,
+    ) -> Result<Option<Self>, Incomplete> {
+        if count == 0 {
+            return Ok(None);
+        }
+        let decoders = (0..count).map(|_| stream());
+        let (first, models) = (behind.fields.to_vec(), Self::models(count));
+        Ok(Some(Self {
+            decoders: decoders.collect::<Result<_, _>>()?,
+            channels: ByChannel::new(behind.channel, &first, models),
+        }))
+    }
+
     fn models(count: usize) -> Vec<Symbols> {
         vec![Symbols::new(256); count]
     }
