@@ -62,6 +62,7 @@ impl<'a> Lane<'a> for LayeredLane<'a> {
             Ok((size > 0).then(|| Decoder::new(stream)))
         };
         let mut behind = Behind { channel, fields };
+        // The streams lie in this order.
         Ok(Self {
             decoder: stream()?.ok_or(Incomplete)?,
             z: stream()?,
